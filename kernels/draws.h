@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ * The resident table of standard normal draws: made once at open from (seed, index, dimension), the same bits on any
+ * machine, so that every cycle sees the same draws and the risk is a smooth function of the scene.
+ */
+#ifndef AEBMC_DRAWS_H
+#define AEBMC_DRAWS_H
+
+#include "mc.h"
+
+struct draws;
+
+/**
+ * draws_open - make and keep n_resident draws of MC_DIM dimensions
+ * Reads kind, seed, n_resident and truncate of @p. Allocates (64-byte aligned). -EINVAL, -ENOMEM.
+ */
+int draws_open(const struct mc_params *p, struct draws **ret);
+
+/** draws_table - [MC_DIM][stride] f32; rows are 64-byte aligned. Dimension MC_DIM_PRIOR holds a uniform in [0,1). */
+const float *draws_table(const struct draws *d, uint32_t *stride);
+
+/** draws_fill - the same numbers for indices first..first+count-1, into @z [MC_DIM][stride]. No allocation. */
+void draws_fill(const struct draws *d, uint64_t first, uint32_t count, float *z, uint32_t stride);
+
+void draws_close(struct draws *d);
+
+#endif

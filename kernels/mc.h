@@ -9,43 +9,45 @@
 #include <stdint.h>
 #include "model.h"
 
-#define MC_STATE_DIM    5                  /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
-#define MC_FACTOR_LEN   15                 /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
-#define MC_DIM_PRIOR    MODEL_INPUTS       /* draw dimension that picks the lead's prior            */
-#define MC_DIM          (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
-#define MC_FUTURES_MAX  4
-#define MC_PRIORS_MAX   4
-#define MC_RISKS        3                  /* safe headways are given at 5, 1 and 0.1 %             */
-#define MC_HIST_BINS    8192               /* of 0.125 m; last bin = overflow                       */
+#define MC_STATE_DIM   5	    /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
+#define MC_FACTOR_LEN  15	    /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
+#define MC_DIM_PRIOR   MODEL_INPUTS /* draw dimension that picks the lead's prior            */
+#define MC_DIM	       (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
+#define MC_FUTURES_MAX 4
+#define MC_PRIORS_MAX  4
+#define MC_RISKS       3    /* safe headways are given at 5, 1 and 0.1 %             */
+#define MC_HIST_BINS   8192 /* of 0.125 m; last bin = overflow                       */
 
 /* Sampled values below a floor are lifted to it, and the sample is counted in mc_result.floored. */
 enum mc_floor { MC_FLOOR_HEADWAY, MC_FLOOR_MU, MC_FLOOR_MASS, MC_FLOOR_DELAY, MC_FLOORS };
 
 /* What the lead does next: with its weight, al becomes gain * al + offset. */
 struct mc_prior {
-	float weight;      /* >= 0; the weights of a request sum to 1 (+-1e-3) */
-	float gain;        /* [1] */
+	float weight;	   /* >= 0; the weights of a request sum to 1 (+-1e-3) */
+	float gain;	   /* [1] */
 	float offset_mps2; /* [m/s2] */
 };
 
 /* flags of a request */
-#define MC_WANT_HIST          1u /* fill stop and need histograms and the figures derived from them */
-#define MC_WANT_IMPACT        2u /* impact speed of colliding samples */
-#define MC_ROLLING_IS_CONTACT 4u /* the paper's verdict: still rolling at the horizon counts as contact */
+#define MC_WANT_HIST   1u /* fill stop and need histograms and the figures derived from them */
+#define MC_WANT_IMPACT 2u /* impact speed of colliding samples */
+#define MC_ROLLING_IS_CONTACT \
+	4u /* the paper's verdict: still rolling at the horizon counts as contact */
 
 struct mc_request {
 	uint64_t id;
-	uint32_t n;         /* samples, 1..2^32-1; beyond the resident draws they are generated on the fly */
+	uint32_t
+		n; /* samples, 1..2^32-1; beyond the resident draws they are generated on the fly */
 	uint32_t flags;
 	uint32_t n_futures; /* 1..MC_FUTURES_MAX */
 	uint32_t n_priors;  /* 0 (hold al) .. MC_PRIORS_MAX */
 	float mean[MODEL_INPUTS];
-	float factor[MC_FACTOR_LEN];                 /* lower triangle of the 5 correlated inputs, SI units */
-	float sigma[MODEL_INPUTS - MC_STATE_DIM];    /* of MODEL_MU..MODEL_DELAY, >= 0 */
+	float factor[MC_FACTOR_LEN]; /* lower triangle of the 5 correlated inputs, SI units */
+	float sigma[MODEL_INPUTS - MC_STATE_DIM]; /* of MODEL_MU..MODEL_DELAY, >= 0 */
 	float floor[MC_FLOORS];
-	float horizon_s;                             /* T_max, 10 in the paper; (0, 30] */
-	float centre_m;                              /* integer centre of the sums; any finite value near the mean */
-	uint32_t hist_future;                        /* which future the histograms describe */
+	float horizon_s;      /* T_max, 10 in the paper; (0, 30] */
+	float centre_m;	      /* integer centre of the sums; any finite value near the mean */
+	uint32_t hist_future; /* which future the histograms describe */
 	struct model_vehicle vehicle;
 	struct model_future future[MC_FUTURES_MAX];
 	struct mc_prior prior[MC_PRIORS_MAX];
@@ -56,25 +58,25 @@ struct mc_request {
 struct mc_risk {
 	uint64_t hits;
 	uint64_t undecided;
-	double p, lo, hi;     /* 0..1 */
-	double impact_mps;    /* mean closing speed of the colliding samples; NaN if none or not wanted */
-	uint32_t p_is_bound;  /* 1: no hit, quote hi as an upper bound */
+	double p, lo, hi; /* 0..1 */
+	double impact_mps; /* mean closing speed of the colliding samples; NaN if none or not wanted */
+	uint32_t p_is_bound; /* 1: no hit, quote hi as an upper bound */
 };
 
 /* flags of a result */
 #define MC_RES_CUT 1u /* a deadline cut the batch: n < the request's n */
 
 struct mc_result {
-	uint64_t id;       /* the request's */
+	uint64_t id;	   /* the request's */
 	uint64_t req_hash; /* mc_request_hash() of what the backend computed */
-	uint64_t n;        /* samples evaluated */
+	uint64_t n;	   /* samples evaluated */
 	uint64_t floored;  /* of them, with an input lifted to a floor */
 	uint32_t flags;
 	uint32_t n_futures;
 	struct mc_risk risk[MC_FUTURES_MAX];
 	/* with MC_WANT_HIST, of future hist_future; NaN otherwise */
-	double stop_mean_m, stop_sd_m;       /* over samples that stopped or reached the horizon */
-	double headway_m[MC_RISKS];          /* mean headway at which the risk is 5, 1, 0.1 % */
+	double stop_mean_m, stop_sd_m; /* over samples that stopped or reached the horizon */
+	double headway_m[MC_RISKS];    /* mean headway at which the risk is 5, 1, 0.1 % */
 };
 
 extern const double mc_risk_level[MC_RISKS]; /* 0.05, 0.01, 0.001 */
@@ -84,10 +86,10 @@ enum mc_draws_kind { MC_SOBOL, MC_PHILOX };
 struct mc_params {
 	enum mc_draws_kind kind;
 	uint64_t seed;
-	uint32_t n_resident;       /* draws kept in memory; 1..2^24 */
-	uint32_t threads;          /* CPU backend: 1 = the calling thread alone */
-	float truncate[MC_DIM];    /* two-sided, in sigma; 0 = none (6.3 sigma by construction) */
-	const char *variant;       /* lane variant by name; NULL = best this processor has */
+	uint32_t n_resident;	/* draws kept in memory; 1..2^24 */
+	uint32_t threads;	/* CPU backend: 1 = the calling thread alone */
+	float truncate[MC_DIM]; /* two-sided, in sigma; 0 = none (6.3 sigma by construction) */
+	const char *variant;	/* lane variant by name; NULL = best this processor has */
 };
 
 struct mc;

@@ -11,11 +11,14 @@ struct mc_backend;
 
 /* Histograms of the last run with MC_WANT_HIST, 0.125 m a bin; see stats.h. */
 struct mc_hist {
-	uint64_t stop[MC_HIST_BINS]; /* stopping distance; bin 0 starts at 0 m; rolling samples in the last bin */
-	uint64_t need[MC_HIST_BINS]; /* need - (headway - mean headway), bin 0 starts at -MC_HIST_NEED_OFF m    */
+	uint64_t stop
+		[MC_HIST_BINS]; /* stopping distance; bin 0 starts at 0 m; rolling samples in the last bin */
+	uint64_t need
+		[MC_HIST_BINS]; /* need - (headway - mean headway), bin 0 starts at -MC_HIST_NEED_OFF m    */
 };
-#define MC_HIST_BIN_M    0.125
-#define MC_HIST_NEED_OFF 128 /* m below zero kept by the need histogram: a receding lead needs less than nothing */
+#define MC_HIST_BIN_M 0.125
+#define MC_HIST_NEED_OFF \
+	128 /* m below zero kept by the need histogram: a receding lead needs less than nothing */
 
 enum mc_rollout { MC_FAST, MC_REFERENCE };
 
@@ -27,16 +30,17 @@ struct mc_ops {
 
 	/* Runs a batch. @cut: NULL, or a word read with acquire between chunks: the batch ends early once *cut >= req->id.
 	 * 0 or -errno. No allocation. */
-	int (*run)(struct mc_backend *b, const struct mc_request *req, const uint64_t *cut, struct mc_result *res);
+	int (*run)(struct mc_backend *b, const struct mc_request *req, const uint64_t *cut,
+		   struct mc_result *res);
 
 	/* Per-sample results of draws first..first+count-1 of @req, without statistics: @out is [n_futures][count]. */
-	int (*samples)(struct mc_backend *b, const struct mc_request *req, enum mc_rollout which, uint64_t first,
-		       uint32_t count, struct model_out *out);
+	int (*samples)(struct mc_backend *b, const struct mc_request *req, enum mc_rollout which,
+		       uint64_t first, uint32_t count, struct model_out *out);
 
 	/* Rolls explicit samples instead of draws: @in is [MODEL_INPUTS][count], @out is [count]. No floors. */
 	int (*roll)(struct mc_backend *b, enum mc_rollout which, const struct model_vehicle *veh,
-		    const struct model_future *fut, float horizon_s, const float *in, uint32_t count,
-		    struct model_out *out);
+		    const struct model_future *fut, float horizon_s, const float *in,
+		    uint32_t count, struct model_out *out);
 
 	/* Histograms of the last run that wanted them; valid until the next run. */
 	const struct mc_hist *(*hist)(const struct mc_backend *b);

@@ -15,8 +15,8 @@ struct stats_sums {
 	uint64_t hits[MC_FUTURES_MAX];
 	uint64_t undecided[MC_FUTURES_MAX];
 	uint64_t impact_units[MC_FUTURES_MAX]; /* of 2^-10 m/s */
-	int64_t stop_sum;                      /* sum of (q - centre), q in units of 2^-10 m */
-	unsigned __int128 stop_sum2;           /* sum of (q - centre)^2 */
+	int64_t stop_sum;		       /* sum of (q - centre), q in units of 2^-10 m */
+	unsigned __int128 stop_sum2;	       /* sum of (q - centre)^2 */
 };
 
 /** stats_add - a += b. */
@@ -31,7 +31,7 @@ void stats_wilson(uint64_t k, uint64_t n, double *lo, double *hi);
 double stats_quantile(const uint64_t h[MC_HIST_BINS], double off_m, double q);
 
 /** stats_finish - all derived fields of @res from @sums and, with MC_WANT_HIST, @hist. Pure. */
-void stats_finish(const struct mc_request *req, const struct stats_sums *sums, const struct mc_hist *hist,
-		  struct mc_result *res);
+void stats_finish(const struct mc_request *req, const struct stats_sums *sums,
+		  const struct mc_hist *hist, struct mc_result *res);
 
 #endif

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT
+ * The bus as the pipeline sees it: frames with a time, in and out, behind one table of operations.
+ * bus_log.c replays and writes candump logs; bus_socketcan.c talks to the kernel.
+ */
+#ifndef AEBMC_BUS_H
+#define AEBMC_BUS_H
+
+#include <stdint.h>
+
+#define BUS_IFACES_MAX 8
+#define BUS_NAME_MAX   16 /* IFNAMSIZ */
+#define BUS_DATA_MAX   64
+#define BUS_ID_EFF     0x80000000u /* extended id; same bits as SocketCAN */
+#define BUS_ID_MASK    0x1FFFFFFFu
+
+#define BUS_FD	  1u /* CAN FD frame */
+#define BUS_BRS	  2u
+#define BUS_ESI	  4u
+#define BUS_RTR	  8u  /* remote frame, no data */
+#define BUS_ERR	  16u /* error frame (log: id bit 0x20000000) */
+#define BUS_LOCAL 32u /* sent by this host (MSG_DONTROUTE; candump suffix T) */
+
+struct bus_frame {
+	int64_t t_ns;  /* time of reception on the pipeline's clock */
+	uint32_t id;   /* 11 or 29 bits, BUS_ID_EFF set for the latter */
+	uint8_t iface; /* index into the interface names given at open */
+	uint8_t len;   /* data bytes, 0..64 */
+	uint8_t flags; /* BUS_* */
+	uint8_t data[BUS_DATA_MAX];
+};
+
+/* What a bus has seen and refused; never reset. */
+struct bus_stats {
+	uint64_t received, sent;
+	uint64_t malformed;   /* log lines that are no frame and no comment */
+	uint64_t other_iface; /* frames on interfaces nobody listed */
+	uint64_t error_frames, remote_frames;
+	uint64_t disorder; /* timestamps that ran backwards (log): clamped */
+};
+
+struct bus;
+struct bus_ops {
+	const char *name; /* "log", "socketcan" */
+
+	/* Waits until a frame arrives or @until_ns passes. Fills at most @max frames, sets *@now_ns (never past @until_ns
+	 * on a log). Returns the number of frames, 0 at the deadline, -ENODATA at the end of a log, -errno. Bounded work;
+	 * no allocation. */
+	int (*recv)(struct bus *b, struct bus_frame *f, int max, int64_t until_ns, int64_t *now_ns);
+
+	/* Sends one frame. 0 or -errno (-ENOBUFS: counted by the caller, never retried here). Never blocks. */
+	int (*send)(struct bus *b, const struct bus_frame *f);
+
+	const struct bus_stats *(*stats)(const struct bus *b);
+	void (*close)(struct bus *b); /* NULL is fine */
+};
+
+struct bus {
+	const struct bus_ops *ops;
+};
+
+/**
+ * bus_log_open - replay a candump log
+ * @in:     path, or "-" for standard input
+ * @out:    path of the log to write (6 decimals), "-" for standard output, NULL to discard
+ * @ifaces: interface names; a frame's index is its position
+ * @err:    one line saying what failed and how to mend it
+ * Reads R/T suffixes, FD ##, remote #R, error frames, several blanks, 6 or 9 decimals; other lines count as malformed,
+ * blank and # lines as comments. Allocates one line buffer; a longer line is counted malformed and skipped.
+ * The log's first stamp is where virtual time starts. Returns 0 or -errno.
+ */
+int bus_log_open(const char *in, const char *out, const char *const *ifaces, int n_ifaces,
+		 struct bus **ret, char *err, int err_len);
+
+/** bus_log_progress - bytes read and total (0 if unknown), for a progress line. */
+void bus_log_progress(const struct bus *b, int64_t *read, int64_t *total);
+
+/**
+ * bus_log_parse - one candump line to a frame
+ * @iface: receives the interface name [BUS_NAME_MAX]. f->iface is left 0.
+ * Returns 0; -ENOMSG for a blank or comment line; -EBADMSG for anything else that is not a frame. Pure.
+ */
+int bus_log_parse(const char *line, char iface[BUS_NAME_MAX], struct bus_frame *f);
+
+/** bus_log_format - a frame as a candump -L line without newline. Returns its length; @size >= 200. Pure. */
+int bus_log_format(const struct bus_frame *f, const char *iface, char *line, int size);
+
+#endif

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ * The cycle: frame -> estimator -> scene -> budget -> request -> backend -> result -> decision -> frames.
+ * The only file that sees all rooms. One struct cycle per evaluation, never allocated.
+ */
+#ifndef AEBMC_PIPELINE_H
+#define AEBMC_PIPELINE_H
+
+#include "bus.h"
+#include "config.h"
+#include "decision.h"
+#include "fault.h"
+#include "mapping.h"
+#include "mc.h"
+#include "publish.h"
+#include "scene.h"
+
+enum stage {
+#define STAGE(name, budget_ms, doc) STAGE_##name,
+#include "stage.def"
+#undef STAGE
+	STAGES
+};
+
+struct stage_row {
+	const char *name;
+	int budget_ms;
+	const char *doc;
+};
+extern const struct stage_row stage_table[STAGES];
+
+struct cycle {
+	uint64_t id;
+	int64_t t_ns[STAGES]; /* when each edge was passed; 0 = not yet */
+	struct scene scene;
+	struct mc_request req;
+	struct mc_result res;
+	struct decision dec;
+	struct bus_frame out[PUBLISH_MSGS];
+};
+
+/* Counters since start. */
+struct pipeline_stats {
+	uint64_t frames;      /* frames received on the configured interfaces */
+	uint64_t scans;	      /* radar scans ended */
+	uint64_t evaluations; /* results decided upon */
+	uint64_t skipped;     /* scans not evaluated: the worker was busy */
+	uint64_t stage_miss, late, period_miss;
+	uint64_t sent;	 /* frames handed to the bus */
+	double risk_max; /* largest P(defer) of any evaluation */
+};
+
+struct pipeline_open {
+	const struct config *cfg;
+	const struct mapping *map;
+	struct bus *bus;
+	struct mc *mc;
+	/* Called after every evaluation; NULL for none. For CSV, traces, the recorder; must not block when live. */
+	void (*on_cycle)(void *arg, const struct cycle *c, enum state state);
+	void *arg;
+};
+
+struct pipeline;
+
+/** pipeline_open - takes no ownership; everything in @o must outlive it. Allocates. 0 or -errno. */
+int pipeline_open(const struct pipeline_open *o, struct pipeline **ret);
+
+/**
+ * pipeline_step - wait for the next event (frames, a result, a period) and deal with it
+ * Returns 0, -ENODATA at the end of a log, -errno of the bus. No allocation; bounded work; blocks at most until the
+ * next period.
+ */
+int pipeline_step(struct pipeline *p);
+
+/** pipeline_request - the request a scene leads to (means, factor, futures, priors). Pure. 0, or -EINVAL when the
+ * covariance is not positive definite. */
+int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
+		     struct mc_request *req);
+
+const struct pipeline_stats *pipeline_stats(const struct pipeline *p);
+const struct decision_state *pipeline_decision(const struct pipeline *p);
+const uint64_t *pipeline_rejected(const struct pipeline *p); /* [SCENE_REJECTS] */
+
+void pipeline_close(struct pipeline *p); /* NULL is fine */
+
+#endif

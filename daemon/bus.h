@@ -13,11 +13,11 @@
 #define BUS_ID_EFF     0x80000000u /* extended id; same bits as SocketCAN */
 #define BUS_ID_MASK    0x1FFFFFFFu
 
-#define BUS_FD	  1u /* CAN FD frame */
-#define BUS_BRS	  2u
-#define BUS_ESI	  4u
-#define BUS_RTR	  8u  /* remote frame, no data */
-#define BUS_ERR	  16u /* error frame (log: id bit 0x20000000) */
+#define BUS_FD    1u /* CAN FD frame */
+#define BUS_BRS   2u
+#define BUS_ESI   4u
+#define BUS_RTR   8u  /* remote frame, no data */
+#define BUS_ERR   16u /* error frame (log: id bit 0x20000000) */
 #define BUS_LOCAL 32u /* sent by this host (MSG_DONTROUTE; candump suffix T) */
 
 struct bus_frame {

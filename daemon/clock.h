@@ -7,9 +7,9 @@
 #include <stdint.h>
 #include <time.h>
 
-#define CLOCK_NS_PER_S	1000000000LL
+#define CLOCK_NS_PER_S  1000000000LL
 #define CLOCK_NS_PER_MS 1000000LL
-#define CLOCK_NEVER	INT64_MAX
+#define CLOCK_NEVER     INT64_MAX
 
 /** clock_now_ns - CLOCK_MONOTONIC now [ns]. Does not block. */
 static inline int64_t clock_now_ns(void)

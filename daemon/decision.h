@@ -25,14 +25,14 @@ extern const char *const level_name[LEVELS]; /* "none", "warn", "partial", "full
 /* Why the level is what it is; for status, CSV and words. */
 enum decision_cause {
 	CAUSE_NONE,
-	CAUSE_RISK,	/* a rule of the table fired */
-	CAUSE_HOLD,	/* kept by hysteresis */
+	CAUSE_RISK,     /* a rule of the table fired */
+	CAUSE_HOLD,     /* kept by hysteresis */
 	CAUSE_RELEASED, /* danger over */
 	CAUSE_STANDSTILL,
-	CAUSE_DRIVER,	   /* driver override */
+	CAUSE_DRIVER,      /* driver override */
 	CAUSE_INHIBITED,   /* state does not allow a request */
 	CAUSE_NO_EVIDENCE, /* no lead, or too few samples or scans to judge */
-	CAUSE_FALLBACK,	   /* deterministic rule (DEGRADED) */
+	CAUSE_FALLBACK,    /* deterministic rule (DEGRADED) */
 	CAUSES
 };
 extern const char *const cause_name[CAUSES];
@@ -40,9 +40,9 @@ extern const char *const cause_name[CAUSES];
 /* What is remembered between evaluations. Zero-initialised at start. */
 struct decision_state {
 	enum stage_level level;
-	int64_t entered_ns;	  /* when the present level was entered */
-	int64_t warned_ns;	  /* when the last warning began; 0 never */
-	uint32_t calm;		  /* evaluations in a row that would release */
+	int64_t entered_ns;       /* when the present level was entered */
+	int64_t warned_ns;        /* when the last warning began; 0 never */
+	uint32_t calm;            /* evaluations in a row that would release */
 	uint64_t entered[LEVELS]; /* times each level was entered */
 };
 
@@ -50,7 +50,7 @@ struct decision {
 	enum stage_level level;
 	enum decision_cause cause;
 	double accel_mps2; /* requested, <= 0; 0 below PARTIAL */
-	int changed;	   /* level differs from before */
+	int changed;       /* level differs from before */
 };
 
 /** decision_futures - fill the four futures of a request from the configuration. Pure. */

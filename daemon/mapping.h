@@ -11,8 +11,8 @@
 #include "e2e.h"
 
 #define MAP_MESSAGES_MAX 64
-#define MAP_TRACKS_MAX	 64
-#define MAP_SPEEDS_MAX	 4
+#define MAP_TRACKS_MAX   64
+#define MAP_SPEEDS_MAX   4
 
 /* One signal, with its way to SI units and the raw value that means "no value". */
 struct map_signal {
@@ -25,12 +25,12 @@ struct map_signal {
 
 struct map_message {
 	const struct dbc_message *msg;
-	uint8_t iface;			  /* index into the configured interfaces */
-	enum e2e_kind check;		  /* protection to verify */
+	uint8_t iface;                    /* index into the configured interfaces */
+	enum e2e_kind check;              /* protection to verify */
 	const struct dbc_signal *counter; /* rolling counter outside the check, or NULL */
 	int64_t period_ns; /* nominal cycle; staleness is judged in multiples of it */
-	int16_t track;	   /* index of the radar target it carries, -1 if it carries none */
-	int8_t ego;	   /* 1: carries an ego or driver signal */
+	int16_t track;     /* index of the radar target it carries, -1 if it carries none */
+	int8_t ego;        /* 1: carries an ego or driver signal */
 };
 
 /* Roles outside the radar: index into mapping.ego_msg / the signals below. */
@@ -43,7 +43,7 @@ struct map_role_signals {
 };
 
 struct map_track {
-	int16_t message;	     /* index into mapping.message */
+	int16_t message;             /* index into mapping.message */
 	struct map_signal distance;  /* [m], required; ego front to target */
 	struct map_signal rel_speed; /* [m/s], target minus ego: negative when closing; required */
 	struct map_signal lateral;   /* [m], left positive; optional */

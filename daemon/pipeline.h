@@ -41,11 +41,11 @@ struct cycle {
 /* Counters since start. */
 struct pipeline_stats {
 	uint64_t frames;      /* frames received on the configured interfaces */
-	uint64_t scans;	      /* radar scans ended */
+	uint64_t scans;       /* radar scans ended */
 	uint64_t evaluations; /* results decided upon */
 	uint64_t skipped;     /* scans not evaluated: the worker was busy */
 	uint64_t stage_miss, late, period_miss;
-	uint64_t sent;	 /* frames handed to the bus */
+	uint64_t sent;   /* frames handed to the bus */
 	double risk_max; /* largest P(defer) of any evaluation */
 };
 

@@ -27,7 +27,7 @@ struct publish_in {
 	uint64_t skipped, late, stage_miss, period_miss;
 	int64_t mc_ns,
 		total_ns; /* last evaluation: backend, and scan end to decision; -1 unknown */
-	uint16_t hash;	  /* contract and configuration */
+	uint16_t hash;    /* contract and configuration */
 	uint32_t samples;
 	int on_gpu;
 };

@@ -21,7 +21,7 @@ enum scene_reject {
 	SCENE_REJECT_COUNTER,
 	SCENE_REJECT_LENGTH,
 	SCENE_REJECT_NOT_AVAILABLE,
-	SCENE_REJECT_RANGE,	  /* physical value outside the DBC's or the estimator's range */
+	SCENE_REJECT_RANGE,       /* physical value outside the DBC's or the estimator's range */
 	SCENE_REJECT_IMPLAUSIBLE, /* inconsistent with what was known a moment ago */
 	SCENE_REJECTS
 };
@@ -30,19 +30,19 @@ extern const char *const scene_reject_name[SCENE_REJECTS]; /* "crc", "counter", 
 struct scene {
 	int64_t t_ns; /* time the state is valid for (the scan's, minus the configured sensor latency) */
 	int64_t scan_ns;     /* time the scan ended */
-	uint64_t scan;	     /* number of the scan, from 1 */
-	int ego_valid;	     /* ego speed is fresh and plausible */
-	int lead_valid;	     /* a lead is followed; without it only ego figures mean anything */
+	uint64_t scan;       /* number of the scan, from 1 */
+	int ego_valid;       /* ego speed is fresh and plausible */
+	int lead_valid;      /* a lead is followed; without it only ego figures mean anything */
 	double x[SCENE_DIM]; /* [m], [m/s], [m/s2], [m/s], [m/s2]; same order as enum model_input */
 	double cov[SCENE_DIM][SCENE_DIM]; /* covariance, SI units */
-	double lateral_m;		  /* of the lead, left positive */
-	double existence;		  /* 0..1; 1 where the radar does not say */
-	uint32_t lead_id;		  /* changes when another object becomes the lead */
-	uint32_t lead_scans;		  /* scans it has been followed */
-	int64_t oldest_input_ns;	  /* age of the oldest input used [ns] */
-	int driver_brake, driver_accel;	  /* 1 pressed, 0 not, -1 unknown */
-	double yaw_rate_radps;		  /* 0 when not mapped */
-	uint32_t fault;			  /* fault.def bits (FAULT_BIT) raised by the inputs */
+	double lateral_m;                 /* of the lead, left positive */
+	double existence;                 /* 0..1; 1 where the radar does not say */
+	uint32_t lead_id;                 /* changes when another object becomes the lead */
+	uint32_t lead_scans;              /* scans it has been followed */
+	int64_t oldest_input_ns;          /* age of the oldest input used [ns] */
+	int driver_brake, driver_accel;   /* 1 pressed, 0 not, -1 unknown */
+	double yaw_rate_radps;            /* 0 when not mapped */
+	uint32_t fault;                   /* fault.def bits (FAULT_BIT) raised by the inputs */
 };
 
 #endif

@@ -9,10 +9,10 @@
 #include <stdint.h>
 #include "model.h"
 
-#define MC_STATE_DIM   5	    /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
-#define MC_FACTOR_LEN  15	    /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
+#define MC_STATE_DIM   5            /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
+#define MC_FACTOR_LEN  15           /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
 #define MC_DIM_PRIOR   MODEL_INPUTS /* draw dimension that picks the lead's prior            */
-#define MC_DIM	       (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
+#define MC_DIM         (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
 #define MC_FUTURES_MAX 4
 #define MC_PRIORS_MAX  4
 #define MC_RISKS       3    /* safe headways are given at 5, 1 and 0.1 %             */
@@ -23,8 +23,8 @@ enum mc_floor { MC_FLOOR_HEADWAY, MC_FLOOR_MU, MC_FLOOR_MASS, MC_FLOOR_DELAY, MC
 
 /* What the lead does next: with its weight, al becomes gain * al + offset. */
 struct mc_prior {
-	float weight;	   /* >= 0; the weights of a request sum to 1 (+-1e-3) */
-	float gain;	   /* [1] */
+	float weight;      /* >= 0; the weights of a request sum to 1 (+-1e-3) */
+	float gain;        /* [1] */
 	float offset_mps2; /* [m/s2] */
 };
 
@@ -46,7 +46,7 @@ struct mc_request {
 	float sigma[MODEL_INPUTS - MC_STATE_DIM]; /* of MODEL_MU..MODEL_DELAY, >= 0 */
 	float floor[MC_FLOORS];
 	float horizon_s;      /* T_max, 10 in the paper; (0, 30] */
-	float centre_m;	      /* integer centre of the sums; any finite value near the mean */
+	float centre_m;       /* integer centre of the sums; any finite value near the mean */
 	uint32_t hist_future; /* which future the histograms describe */
 	struct model_vehicle vehicle;
 	struct model_future future[MC_FUTURES_MAX];
@@ -67,9 +67,9 @@ struct mc_risk {
 #define MC_RES_CUT 1u /* a deadline cut the batch: n < the request's n */
 
 struct mc_result {
-	uint64_t id;	   /* the request's */
+	uint64_t id;       /* the request's */
 	uint64_t req_hash; /* mc_request_hash() of what the backend computed */
-	uint64_t n;	   /* samples evaluated */
+	uint64_t n;        /* samples evaluated */
 	uint64_t floored;  /* of them, with an input lifted to a floor */
 	uint32_t flags;
 	uint32_t n_futures;
@@ -86,10 +86,10 @@ enum mc_draws_kind { MC_SOBOL, MC_PHILOX };
 struct mc_params {
 	enum mc_draws_kind kind;
 	uint64_t seed;
-	uint32_t n_resident;	/* draws kept in memory; 1..2^24 */
-	uint32_t threads;	/* CPU backend: 1 = the calling thread alone */
+	uint32_t n_resident;    /* draws kept in memory; 1..2^24 */
+	uint32_t threads;       /* CPU backend: 1 = the calling thread alone */
 	float truncate[MC_DIM]; /* two-sided, in sigma; 0 = none (6.3 sigma by construction) */
-	const char *variant;	/* lane variant by name; NULL = best this processor has */
+	const char *variant;    /* lane variant by name; NULL = best this processor has */
 };
 
 struct mc;

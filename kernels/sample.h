@@ -45,6 +45,24 @@ static inline void sample_plan(const struct mc_request *req, struct sample_plan 
 	}
 }
 
+#define SAMPLE_TAU_FLOOR_S 0.02f /* shortest actuator lag that the closed forms are good for */
+
+/* sample_lift - @v, not below @lo; *lifted becomes 1 if it was. */
+HD float sample_lift(float v, float lo, int *lifted)
+{
+	*lifted = v < lo ? 1 : *lifted;
+	return v < lo ? lo : v;
+}
+
+/* sample_prior - the row of @x that the uniform @u picks. */
+HD float sample_prior(const float cum[MC_PRIORS_MAX], const float x[MC_PRIORS_MAX], float u)
+{
+	float v = u < cum[2] ? x[2] : x[3];
+
+	v = u < cum[1] ? x[1] : v;
+	return u < cum[0] ? x[0] : v;
+}
+
 /**
  * sample_draw - inputs of one sample
  * @z:  MC_DIM draws, @stride floats apart
@@ -52,5 +70,35 @@ static inline void sample_plan(const struct mc_request *req, struct sample_plan 
  * Returns 1 if a floor lifted an input (headway, mu, mass, delay; speeds below 0, C_d below 0 and tau below 0.02 s are
  * lifted too and counted alike), else 0. Branch-free.
  */
+HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__restrict__ z, uint32_t stride,
+		   float *__restrict__ in, uint32_t in_stride)
+{
+	const float *f = p->factor, *sd = p->sigma, *lo = p->floor;
+	const size_t s = stride, o = in_stride;
+	float z0 = z[0], z1 = z[s], z2 = z[2 * s], z3 = z[3 * s], z4 = z[4 * s], u = z[MC_DIM_PRIOR * s];
+	float hw = det_fmaf(f[0], z0, p->mean[0]);
+	float ve = det_fmaf(f[2], z1, det_fmaf(f[1], z0, p->mean[1]));
+	float ae = det_fmaf(f[5], z2, det_fmaf(f[4], z1, det_fmaf(f[3], z0, p->mean[2])));
+	float vl = det_fmaf(f[7], z1, det_fmaf(f[6], z0, p->mean[3]));
+	float al = det_fmaf(f[11], z1, det_fmaf(f[10], z0, p->mean[4]));
+	int lifted = 0;
+
+	vl = det_fmaf(f[9], z3, det_fmaf(f[8], z2, vl));
+	al = det_fmaf(f[14], z4, det_fmaf(f[13], z3, det_fmaf(f[12], z2, al)));
+	al = det_fmaf(sample_prior(p->prior_cum, p->prior_gain, u), al,
+		      sample_prior(p->prior_cum, p->prior_offset, u));
+	in[0] = sample_lift(hw, lo[MC_FLOOR_HEADWAY], &lifted);
+	in[o] = sample_lift(ve, 0.0f, &lifted);
+	in[2 * o] = ae;
+	in[3 * o] = sample_lift(vl, 0.0f, &lifted);
+	in[4 * o] = al;
+	in[5 * o] = sample_lift(det_fmaf(sd[0], z[5 * s], p->mean[5]), lo[MC_FLOOR_MU], &lifted);
+	in[6 * o] = det_fmaf(sd[1], z[6 * s], p->mean[6]);
+	in[7 * o] = sample_lift(det_fmaf(sd[2], z[7 * s], p->mean[7]), lo[MC_FLOOR_MASS], &lifted);
+	in[8 * o] = sample_lift(det_fmaf(sd[3], z[8 * s], p->mean[8]), 0.0f, &lifted);
+	in[9 * o] = sample_lift(det_fmaf(sd[4], z[9 * s], p->mean[9]), SAMPLE_TAU_FLOOR_S, &lifted);
+	in[10 * o] = sample_lift(det_fmaf(sd[5], z[10 * s], p->mean[10]), lo[MC_FLOOR_DELAY], &lifted);
+	return lifted;
+}
 
 #endif

@@ -15,8 +15,8 @@ struct stats_sums {
 	uint64_t hits[MC_FUTURES_MAX];
 	uint64_t undecided[MC_FUTURES_MAX];
 	uint64_t impact_units[MC_FUTURES_MAX]; /* of 2^-10 m/s */
-	int64_t stop_sum;		       /* sum of (q - centre), q in units of 2^-10 m */
-	unsigned __int128 stop_sum2;	       /* sum of (q - centre)^2 */
+	int64_t stop_sum;                      /* sum of (q - centre), q in units of 2^-10 m */
+	unsigned __int128 stop_sum2;           /* sum of (q - centre)^2 */
 };
 
 /** stats_add - a += b. */

@@ -13,7 +13,7 @@ struct sample_plan {
 	float factor[MC_FACTOR_LEN];
 	float sigma[MODEL_INPUTS - MC_STATE_DIM];
 	float floor[MC_FLOORS];
-	float prior_cum[MC_PRIORS_MAX]; /* cumulative weight; the last is > 1 so that a pick always exists */
+	float prior_cum[MC_PRIORS_MAX]; /* cumulative; the last is > 1 so that a pick always exists */
 	float prior_gain[MC_PRIORS_MAX];
 	float prior_offset[MC_PRIORS_MAX];
 };
@@ -57,30 +57,37 @@ HD float sample_lift(float v, float lo, int *lifted)
 /* sample_prior - the row of @x that the uniform @u picks. */
 HD float sample_prior(const float cum[MC_PRIORS_MAX], const float x[MC_PRIORS_MAX], float u)
 {
-	float v = u < cum[2] ? x[2] : x[3];
+	float x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
+	float v = u < cum[2] ? x2 : x3;
 
-	v = u < cum[1] ? x[1] : v;
-	return u < cum[0] ? x[0] : v;
+	v = u < cum[1] ? x1 : v;
+	return u < cum[0] ? x0 : v;
 }
 
 /**
  * sample_draw - inputs of one sample
  * @z:  MC_DIM draws, @stride floats apart
- * @in: MODEL_INPUTS inputs, @in_stride floats apart
+ * @in: MODEL_INPUTS inputs, @in_stride floats apart; overlaps neither @z nor @p
  * Returns 1 if a floor lifted an input (headway, mu, mass, delay; speeds below 0, C_d below 0 and tau below 0.02 s are
- * lifted too and counted alike), else 0. Branch-free.
+ * lifted too and counted alike), else 0. Branch-free; a loop over lanes vectorises if its pointers are restrict.
  */
-HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__restrict__ z, uint32_t stride,
-		   float *__restrict__ in, uint32_t in_stride)
+HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__restrict__ z,
+		   uint32_t stride, float *__restrict__ in, uint32_t in_stride)
 {
-	const float *f = p->factor, *sd = p->sigma, *lo = p->floor;
+	const float *m = p->mean, *f = p->factor, *sd = p->sigma, *lo = p->floor;
 	const size_t s = stride, o = in_stride;
-	float z0 = z[0], z1 = z[s], z2 = z[2 * s], z3 = z[3 * s], z4 = z[4 * s], u = z[MC_DIM_PRIOR * s];
-	float hw = det_fmaf(f[0], z0, p->mean[0]);
-	float ve = det_fmaf(f[2], z1, det_fmaf(f[1], z0, p->mean[1]));
-	float ae = det_fmaf(f[5], z2, det_fmaf(f[4], z1, det_fmaf(f[3], z0, p->mean[2])));
-	float vl = det_fmaf(f[7], z1, det_fmaf(f[6], z0, p->mean[3]));
-	float al = det_fmaf(f[11], z1, det_fmaf(f[10], z0, p->mean[4]));
+	float z0 = z[0], z1 = z[s], z2 = z[2 * s], z3 = z[3 * s], z4 = z[4 * s];
+	float u = z[MC_DIM_PRIOR * s];
+	float hw = det_fmaf(f[0], z0, m[0]);
+	float ve = det_fmaf(f[2], z1, det_fmaf(f[1], z0, m[1]));
+	float ae = det_fmaf(f[5], z2, det_fmaf(f[4], z1, det_fmaf(f[3], z0, m[2])));
+	float vl = det_fmaf(f[7], z1, det_fmaf(f[6], z0, m[3]));
+	float al = det_fmaf(f[11], z1, det_fmaf(f[10], z0, m[4]));
+	float mu = det_fmaf(sd[0], z[5 * s], m[5]);
+	float mass = det_fmaf(sd[2], z[7 * s], m[7]);
+	float drag = det_fmaf(sd[3], z[8 * s], m[8]);
+	float tau = det_fmaf(sd[4], z[9 * s], m[9]);
+	float delay = det_fmaf(sd[5], z[10 * s], m[10]);
 	int lifted = 0;
 
 	vl = det_fmaf(f[9], z3, det_fmaf(f[8], z2, vl));
@@ -92,12 +99,12 @@ HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__rest
 	in[2 * o] = ae;
 	in[3 * o] = sample_lift(vl, 0.0f, &lifted);
 	in[4 * o] = al;
-	in[5 * o] = sample_lift(det_fmaf(sd[0], z[5 * s], p->mean[5]), lo[MC_FLOOR_MU], &lifted);
-	in[6 * o] = det_fmaf(sd[1], z[6 * s], p->mean[6]);
-	in[7 * o] = sample_lift(det_fmaf(sd[2], z[7 * s], p->mean[7]), lo[MC_FLOOR_MASS], &lifted);
-	in[8 * o] = sample_lift(det_fmaf(sd[3], z[8 * s], p->mean[8]), 0.0f, &lifted);
-	in[9 * o] = sample_lift(det_fmaf(sd[4], z[9 * s], p->mean[9]), SAMPLE_TAU_FLOOR_S, &lifted);
-	in[10 * o] = sample_lift(det_fmaf(sd[5], z[10 * s], p->mean[10]), lo[MC_FLOOR_DELAY], &lifted);
+	in[5 * o] = sample_lift(mu, lo[MC_FLOOR_MU], &lifted);
+	in[6 * o] = det_fmaf(sd[1], z[6 * s], m[6]);
+	in[7 * o] = sample_lift(mass, lo[MC_FLOOR_MASS], &lifted);
+	in[8 * o] = sample_lift(drag, 0.0f, &lifted);
+	in[9 * o] = sample_lift(tau, SAMPLE_TAU_FLOOR_S, &lifted);
+	in[10 * o] = sample_lift(delay, lo[MC_FLOOR_DELAY], &lifted);
 	return lifted;
 }
 

@@ -34,8 +34,8 @@ struct bus_stats {
 	uint64_t received, sent;
 	uint64_t malformed;   /* log lines that are no frame and no comment */
 	uint64_t other_iface; /* frames on interfaces nobody listed */
-	uint64_t error_frames, remote_frames;
-	uint64_t disorder; /* timestamps that ran backwards (log): clamped */
+	uint64_t error_frames, remote_frames; /* delivered as well, with their flag */
+	uint64_t disorder; /* timestamps that ran backwards or leapt (log): clamped */
 };
 
 struct bus;
@@ -66,13 +66,17 @@ struct bus {
  * @err:    one line saying what failed and how to mend it
  * Reads R/T suffixes, FD ##, remote #R, error frames, several blanks, 6 or 9 decimals; other lines count as malformed,
  * blank and # lines as comments. Allocates one line buffer; a longer line is counted malformed and skipped.
- * The log's first stamp is where virtual time starts. Returns 0 or -errno.
+ * Virtual time: the first recv() gives the first frame whatever its deadline, and its stamp starts the clock. Each
+ * later one gives the frames of one stamp. Stamps up to 1 s back are clamped to the last one; further back, or more than
+ * 600 s ahead, the recorder's clock was set: time goes on from the last stamp. Both count as disorder.
+ * send() blocks while a pipe is full, and fails with -EPIPE once its reader is gone (where SIGPIPE is ignored).
+ * Returns 0 or -errno.
  */
 int bus_log_open(const char *in, const char *out, const char *const *ifaces, int n_ifaces,
 		 struct bus **ret, char *err, int err_len);
 
 /** bus_log_progress - bytes read and total (0 if unknown), for a progress line. */
-void bus_log_progress(const struct bus *b, int64_t *read, int64_t *total);
+void bus_log_progress(const struct bus *b, int64_t *read_bytes, int64_t *total);
 
 /**
  * bus_log_parse - one candump line to a frame

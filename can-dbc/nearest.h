@@ -1,22 +1,12 @@
 /* SPDX-License-Identifier: MIT
- * The nearest valid name for one that is not: for error lines that say what was probably meant.
+ * How alike two names are, for error messages that name the nearest valid one.
  */
 #ifndef AEBMC_NEAREST_H
 #define AEBMC_NEAREST_H
 
-#define NEAREST_LEN 64 /* longer names are compared by their first 64 characters */
+#define NEAREST_LEN 128 /* characters compared; what is beyond is ignored */
 
-/* Offer every valid name in turn; the first of the nearest stays. Start with { .want = name }. */
-struct nearest {
-	const char *want;
-	const char *best; /* NULL until a name was offered; not copied */
-	int distance;     /* edits from want to best */
-};
-
-/** nearest_distance - edits (insert, delete, replace) from @a to @b, letter case ignored. Pure. */
-int nearest_distance(const char *a, const char *b);
-
-/** nearest_offer - keep @name if it is nearer than the best so far. Does not allocate; NULL is ignored. */
-void nearest_offer(struct nearest *n, const char *name);
+/** nearest_distance - edits (insert, delete, replace) that turn @a into @b, ignoring case. Pure; no allocation. */
+unsigned nearest_distance(const char *a, const char *b);
 
 #endif

@@ -32,10 +32,17 @@ struct bus_frame {
 /* What a bus has seen and refused; never reset. */
 struct bus_stats {
 	uint64_t received, sent;
-	uint64_t malformed;   /* log lines that are no frame and no comment */
-	uint64_t other_iface; /* frames on interfaces nobody listed */
+	uint64_t malformed;                   /* log lines that are no frame and no comment */
+	uint64_t other_iface;                 /* frames on interfaces nobody listed */
 	uint64_t error_frames, remote_frames; /* delivered as well, with their flag */
 	uint64_t disorder; /* timestamps that ran backwards or leapt (log): clamped */
+	/* live only */
+	uint64_t dropped; /* lost in the kernel's receive queue (SO_RXQ_OVFL) */
+	uint64_t local;   /* sent by this host and refused as input */
+	uint64_t foreign; /* one of our identifiers, sent by somebody else */
+	uint64_t stamps;  /* receive stamps whose age is not within 0..1 s: time of receipt used */
+	uint64_t confirmed;  /* own frames seen back on the bus */
+	uint64_t tx_refused; /* frames the kernel did not take */
 };
 
 struct bus;
@@ -51,12 +58,67 @@ struct bus_ops {
 	int (*send)(struct bus *b, const struct bus_frame *f);
 
 	const struct bus_stats *(*stats)(const struct bus *b);
+
+	/* Live only, NULL on a log. */
+	int (*watch)(
+		struct bus *b,
+		int fd); /* a descriptor whose readability ends recv early (a finished batch) */
+	uint32_t (*events)(
+		struct bus *
+			b); /* BUS_EV_* since the last call, and the lasting ones while they last */
+	int64_t (*confirmed_ns)(
+		const struct bus *b); /* when an own frame was last seen back on the bus; 0 never */
+	void (*drain)(struct bus *b); /* throw away everything queued (after a stall) */
+
 	void (*close)(struct bus *b); /* NULL is fine */
 };
 
 struct bus {
 	const struct bus_ops *ops;
 };
+
+/* Events of a live bus. */
+#define BUS_EV_DOWN    1u /* an interface is down or missing (lasting) */
+#define BUS_EV_OFF     2u /* a controller is bus-off (lasting, until restarted) */
+#define BUS_EV_PASSIVE 4u /* error-passive */
+#define BUS_EV_FOREIGN 8u /* somebody else sent one of our identifiers */
+#define BUS_EV_STAMP \
+	16u /* a receive stamp was not credible: the clock stepped or the queue is old */
+#define BUS_EV_OVERFLOW 32u /* frames were lost in the kernel */
+
+struct bus_id {
+	uint8_t iface;
+	uint32_t id; /* 11 or 29 bits, BUS_ID_EFF set for the latter */
+};
+
+struct bus_socketcan_params {
+	const char *const *ifaces;
+	int n_ifaces;
+	const struct bus_id *input; /* identifiers to receive: exact kernel filters */
+	int n_input;
+	const struct bus_id
+		*own; /* identifiers we send: their echo confirms, anybody else's is foreign */
+	int n_own;
+	int allow_local; /* accept input sent by this host (replay by canplayer onto vcan) */
+};
+
+/**
+ * bus_socketcan_open - one raw socket per interface
+ * A missing or down interface is no error: it is BUS_EV_DOWN until bus_socketcan_service() finds it.
+ * recv() and send() belong to one thread; bounded work, no allocation, no blocking but the wait. Returns 0 or -errno
+ * (-EAFNOSUPPORT: the kernel has no CAN; @err says how to load it). Allocates.
+ */
+int bus_socketcan_open(const struct bus_socketcan_params *p, struct bus **ret, char *err,
+		       int err_len);
+
+/**
+ * bus_socketcan_service - housekeeping thread, every 200 ms: look for interfaces that appeared, were re-created, or came
+ * up, and open a new socket for the other thread to pick up. May block. Safe beside recv() and send().
+ */
+void bus_socketcan_service(struct bus *b);
+
+/** bus_socketcan_iface - 1 if interface @i is up and its socket usable. Any thread. */
+int bus_socketcan_iface(const struct bus *b, int i);
 
 /**
  * bus_log_open - replay a candump log

@@ -19,12 +19,12 @@ say     = $(if $(V),,@printf '  %-7s %s\n' '$(1)' '$(2)')
 # Bit-equality: no contraction, no fast-math; -fno-trapping-math -fno-math-errno (-fno-tree-pre for
 # the lane loops, gcc only) change no value and are what lets the compiler vectorise.
 WARN    := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith \
-	   -Wundef -Wvla -Wwrite-strings -Wno-unknown-warning-option
+	   -Wundef -Wvla -Wwrite-strings
 WARN    += $(if $(WERROR),-Werror)
 OPT     ?= -O2 -g
 NUMERIC := -ffp-contract=off -fno-math-errno -fno-trapping-math
 HARDEN  := -fstack-protector-strong
-CFLAGS_ALL = -std=gnu17 $(OPT) $(WARN) $(NUMERIC) $(HARDEN) -pthread -Ikernels -Ican-dbc -Idaemon -Itools \
+CFLAGS_ALL = -std=gnu17 -D_GNU_SOURCE $(OPT) $(WARN) $(NUMERIC) $(HARDEN) -pthread -Ikernels -Ican-dbc -Idaemon -Itools \
 	   -I$(O)/gen $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer) \
 	   $(EXTRA_CFLAGS) $(CFLAGS)
 LDFLAGS_ALL = -pthread $(if $(SAN),-fsanitize=$(SAN)) $(LDFLAGS)

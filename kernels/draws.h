@@ -5,13 +5,20 @@
 #ifndef AEBMC_DRAWS_H
 #define AEBMC_DRAWS_H
 
-#include "mc.h"
+#include "normal.h"
 
 struct draws;
 
 /**
+ * draws_plan - what the draws depend on, ready for normal_four() on host or device
+ * Reads kind, seed and truncate of @p. -EINVAL for an unknown kind, n_resident outside 1..2^24, or a truncation that is
+ * not 0 or within 6.3 sigma; @ret untouched then. Pure.
+ */
+int draws_plan(const struct mc_params *p, struct normal_plan *ret);
+
+/**
  * draws_open - make and keep n_resident draws of MC_DIM dimensions
- * Reads kind, seed, n_resident and truncate of @p. Allocates (64-byte aligned). -EINVAL, -ENOMEM.
+ * Reads kind, seed, n_resident and truncate of @p. Allocates (64-byte aligned). -EINVAL as draws_plan(), -ENOMEM.
  */
 int draws_open(const struct mc_params *p, struct draws **ret);
 

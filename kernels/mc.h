@@ -9,14 +9,15 @@
 #include <stdint.h>
 #include "model.h"
 
-#define MC_STATE_DIM   5            /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
-#define MC_FACTOR_LEN  15           /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
-#define MC_DIM_PRIOR   MODEL_INPUTS /* draw dimension that picks the lead's prior            */
-#define MC_DIM         (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
-#define MC_FUTURES_MAX 4
-#define MC_PRIORS_MAX  4
-#define MC_RISKS       3    /* safe headways are given at 5, 1 and 0.1 %             */
-#define MC_HIST_BINS   8192 /* of 0.125 m; last bin = overflow                       */
+#define MC_STATE_DIM     5            /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
+#define MC_FACTOR_LEN    15           /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
+#define MC_DIM_PRIOR     MODEL_INPUTS /* draw dimension that picks the lead's prior            */
+#define MC_DIM           (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
+#define MC_FUTURES_MAX   4
+#define MC_PRIORS_MAX    4
+#define MC_HORIZON_MAX_S 30.0f
+#define MC_RISKS         3    /* safe headways are given at 5, 1 and 0.1 %             */
+#define MC_HIST_BINS     8192 /* of 0.125 m; last bin = overflow                       */
 
 /* Sampled values below a floor are lifted to it, and the sample is counted in mc_result.floored. */
 enum mc_floor { MC_FLOOR_HEADWAY, MC_FLOOR_MU, MC_FLOOR_MASS, MC_FLOOR_DELAY, MC_FLOORS };
@@ -35,9 +36,8 @@ struct mc_prior {
 	4u /* the paper's verdict: still rolling at the horizon counts as contact */
 
 struct mc_request {
-	uint64_t id;
-	uint32_t
-		n; /* samples, 1..2^32-1; beyond the resident draws they are generated on the fly */
+	uint64_t id; /* >= 1; rises from one request of a handle to the next */
+	uint32_t n;  /* samples, >= 1; beyond the resident draws they are generated on the fly */
 	uint32_t flags;
 	uint32_t n_futures; /* 1..MC_FUTURES_MAX */
 	uint32_t n_priors;  /* 0 (hold al) .. MC_PRIORS_MAX */
@@ -54,7 +54,8 @@ struct mc_request {
 };
 
 /* A proportion with its two-sided 95 % Wilson interval. Samples that are undecided count as contact only in hi.
- * With no hits p is 0, lo is 0 and hi is 3/n: print "below 3/N", never 0 (p_is_bound). */
+ * With no hits p is 0, lo is 0 and hi is 3/n: print "below 3/N", never 0 (p_is_bound).
+ * Without any sample (cut at once) p is NaN and the interval 0..1. */
 struct mc_risk {
 	uint64_t hits;
 	uint64_t undecided;
@@ -97,12 +98,17 @@ struct mc_ops;
 
 /**
  * mc_check - is this a request that can be run?
- * Returns 0, or -EINVAL for NaN, infinity, a negative sigma or floor, mean mass or mean friction or tau <= 0, a
- * horizon, a count or a weight outside its range. Pure; every backend calls it first.
+ * Returns 0, or -EINVAL for NaN, infinity or a figure beyond +-1e6, a negative sigma or floor or diagonal of the
+ * factor, mean mass or mean friction or tau <= 0, an unknown flag, and whatever lies outside the range written beside
+ * it: horizon, counts, weights, grade, futures, vehicle. Means of speeds, headway, C_d and delay may be negative: a
+ * filter's may, and samples are lifted. The id is not looked at. Pure; every backend calls it first.
  */
 int mc_check(const struct mc_request *req);
 
-/** mc_request_hash - 64-bit hash of a request's content (id excluded), the same on any machine. Pure. */
+/**
+ * mc_request_hash - 64-bit hash of a request's content, the same on any machine
+ * FNV-1a over its words in little-endian order, without the id and without unused futures and priors. Pure.
+ */
 uint64_t mc_request_hash(const struct mc_request *req);
 
 /**
@@ -116,13 +122,15 @@ void mc_preset_paper(struct mc_request *req, float headway_m, uint32_t n);
  * @ops:    the backend                     @p: how to open it
  * @worker: 1: one compute thread runs requests; 0: mc_submit runs them inline (replay, tools)
  * @ret:    the handle; untouched on failure
- * Allocates; blocks while draws are made. Returns 0 or -errno of the backend.
+ * Allocates; blocks while draws are made. Returns 0 or -errno of the backend. One thread uses a handle at a time; the
+ * compute thread takes no signals.
  */
 int mc_open(const struct mc_ops *ops, const struct mc_params *p, int worker, struct mc **ret);
 
 /**
  * mc_submit - hand over a request; the newest wins
- * Never blocks on the worker, never allocates. Returns 0; 1 if an unstarted request was replaced; -EINVAL.
+ * Never blocks on the worker, never allocates. Returns 0; 1 if an unstarted request was replaced; -EINVAL as mc_check()
+ * or for id 0, which no cut could name.
  * With an inline handle the batch has run when it returns.
  */
 int mc_submit(struct mc *mc, const struct mc_request *req);
@@ -146,7 +154,11 @@ int mc_eventfd(const struct mc *mc);
 /** mc_thread - the compute thread (for scheduling policy), or 0 for an inline handle. */
 unsigned long mc_thread(const struct mc *mc);
 
-/** mc_close - stop the worker and free; a worker that does not answer within 200 ms is abandoned. NULL is fine. */
+/**
+ * mc_close - stop the worker and free; NULL is fine
+ * A worker that does not answer within 200 ms is abandoned: since it may still write to them, the handle, the backend
+ * and the descriptors are then left alone for the rest of the process.
+ */
 void mc_close(struct mc *mc);
 
 #endif

@@ -19,18 +19,29 @@ struct stats_sums {
 	unsigned __int128 stop_sum2;           /* sum of (q - centre)^2 */
 };
 
+/** stats_centre - the centre that a batch sums about, in units. Pure. */
+int32_t stats_centre(const struct mc_request *req);
+
 /** stats_add - a += b. */
 void stats_add(struct stats_sums *a, const struct stats_sums *b);
 
-/** stats_wilson - two-sided 95 % Wilson score interval for k of n; with k == 0 hi is max(Wilson, 3/n), with k == n lo
- * is min(Wilson, 1 - 3/n). n > 0. Pure. */
+/**
+ * stats_wilson - two-sided 95 % Wilson score interval for k of n
+ * At the ends the rule of three: with k == 0 hi is 3/n, with k == n lo is 1 - 3/n (within 0..1). n > 0. Pure.
+ */
 void stats_wilson(uint64_t k, uint64_t n, double *lo, double *hi);
 
-/** stats_quantile - value [m] below which a share @q (0..1) of histogram @h lies, linear within its bin; @off_m is the
- * lower edge of bin 0. NaN if it falls into the overflow bin or the histogram is empty. Pure. */
+/**
+ * stats_quantile - value [m] below which a share @q (0..1) of histogram @h lies, linear within its bin
+ * @off_m: lower edge of bin 0
+ * NaN if it falls into the overflow bin or the histogram is empty. Pure.
+ */
 double stats_quantile(const uint64_t h[MC_HIST_BINS], double off_m, double q);
 
-/** stats_finish - all derived fields of @res from @sums and, with MC_WANT_HIST, @hist. Pure. */
+/**
+ * stats_finish - the whole result from @sums and, with MC_WANT_HIST, @hist (else NULL)
+ * Fills id, hash and flags too: cut if fewer samples than @req asks for. Without any sample p is NaN in 0..1. Pure.
+ */
 void stats_finish(const struct mc_request *req, const struct stats_sums *sums,
 		  const struct mc_hist *hist, struct mc_result *res);
 

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: MIT
+ * What every subcommand of aebmc needs: exit codes, one-line messages, argument parsing, Ctrl-C, the machine's name.
+ */
+#include "cli.h"
+#include <errno.h>
+#include <limits.h>
+#include <math.h>
+#include <sched.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/utsname.h>
+#include "nearest.h"
+
+/* ---- messages ---------------------------------------------------------------------------------- */
+
+static void line(const char *name, const char *fmt, va_list ap)
+{
+	fprintf(stderr, "%s: ", name);
+	vfprintf(stderr, fmt, ap);
+	fputc('\n', stderr);
+}
+
+int cli_error(int code, const char *name, const char *fmt, ...)
+{
+	va_list ap;
+
+	va_start(ap, fmt);
+	line(name, fmt, ap);
+	va_end(ap);
+	return code;
+}
+
+error_t cli_bad(const struct argp_state *st, const char *fmt, ...)
+{
+	va_list ap;
+
+	va_start(ap, fmt);
+	line(st->name, fmt, ap);
+	va_end(ap);
+	return EINVAL;
+}
+
+/* ---- arguments --------------------------------------------------------------------------------- */
+
+struct quiet {
+	const struct argp *argp;
+	void *input;
+};
+
+/* Without an error stream argp neither adds its second line of advice nor exits. */
+static error_t parse_quiet(int key, char *arg, struct argp_state *st)
+{
+	struct quiet *q = st->input;
+
+	(void)arg;
+	if (key != ARGP_KEY_INIT) {
+		return ARGP_ERR_UNKNOWN;
+	}
+	st->err_stream = NULL;
+	st->child_inputs[0] = q->input;
+	return 0;
+}
+
+int cli_parse(const struct argp *argp, int argc, char **argv, void *input)
+{
+	struct quiet q = {argp, input};
+	const struct argp_child child[] = {{argp, 0, NULL, 0}, {0}};
+	const struct argp root = {NULL, parse_quiet, argp->args_doc, argp->doc, child, NULL, NULL};
+
+	return argp_parse(&root, argc, argv, 0, NULL, &q) ? CLI_USAGE : 0;
+}
+
+error_t cli_number(const struct argp_state *st, const char *name, const char *arg, double min,
+		   double max, double *ret)
+{
+	char *end;
+	double v = strtod(arg, &end);
+
+	if (end == arg || *end || !isfinite(v) || v < min || v > max) {
+		return cli_bad(st, "%s: '%s' is no number in %g..%g", name, arg, min, max);
+	}
+	*ret = v;
+	return 0;
+}
+
+error_t cli_count(const struct argp_state *st, const char *name, const char *arg, uint64_t min,
+		  uint64_t max, uint64_t *ret)
+{
+	char *end;
+
+	errno = 0;
+	unsigned long long v = strtoull(arg, &end, 0);
+
+	if (strspn(arg, "0123456789abcdefxABCDEFX") != strlen(arg) || end == arg || *end || errno ||
+	    v < min || v > max) {
+		return cli_bad(st, "%s: '%s' is no whole number in %llu..%llu", name, arg,
+			       (unsigned long long)min, (unsigned long long)max);
+	}
+	*ret = v;
+	return 0;
+}
+
+size_t cli_nearest(const char *word, const char *const *names, size_t n)
+{
+	size_t best = 0;
+	unsigned least = UINT_MAX;
+
+	for (size_t i = 0; i < n; i++) {
+		unsigned d = nearest_distance(word, names[i]);
+
+		best = d < least ? i : best;
+		least = d < least ? d : least;
+	}
+	return best;
+}
+
+error_t cli_choice(const struct argp_state *st, const char *name, const char *arg,
+		   const char *const *names, size_t n, size_t *ret)
+{
+	for (size_t i = 0; i < n; i++) {
+		if (!strcmp(arg, names[i])) {
+			*ret = i;
+			return 0;
+		}
+	}
+	return cli_bad(st, "%s: '%s' is not known; nearest is '%s'", name, arg,
+		       names[cli_nearest(arg, names, n)]);
+}
+
+/* ---- files ------------------------------------------------------------------------------------- */
+
+FILE *cli_create(const char *name, const char *path)
+{
+	FILE *f = strcmp(path, "-") ? fopen(path, "w") : stdout;
+
+	if (!f) {
+		cli_error(0, name, "%s: %s", path, strerror(errno));
+	}
+	return f;
+}
+
+int cli_close(const char *name, const char *path, FILE *f)
+{
+	int failed = ferror(f);
+
+	errno = 0;
+	failed |= f == stdout ? fflush(f) : fclose(f);
+	/* Standard output is reported once, at exit. */
+	if (!failed || f == stdout) {
+		return failed ? CLI_FAILED : 0;
+	}
+	return cli_error(CLI_FAILED, name, "%s: %s", path, strerror(errno ? errno : EIO));
+}
+
+/* ---- Ctrl-C ------------------------------------------------------------------------------------ */
+
+static uint64_t interrupt_word;
+
+static void on_interrupt(int sig)
+{
+	(void)sig;
+	__atomic_store_n(&interrupt_word, UINT64_MAX, __ATOMIC_RELEASE);
+}
+
+const uint64_t *cli_catch_interrupt(void)
+{
+	const struct sigaction sa = {.sa_handler = on_interrupt, .sa_flags = SA_RESETHAND};
+
+	sigaction(SIGINT, &sa, NULL);
+	sigaction(SIGTERM, &sa, NULL);
+	return &interrupt_word;
+}
+
+int cli_interrupted(void)
+{
+	return __atomic_load_n(&interrupt_word, __ATOMIC_ACQUIRE) != 0;
+}
+
+/* ---- machine ----------------------------------------------------------------------------------- */
+
+static int cpuinfo_name(char *name, int size)
+{
+	char text[256];
+	FILE *f = fopen("/proc/cpuinfo", "r");
+	int found = 0;
+
+	while (f && !found && fgets(text, sizeof(text), f)) {
+		const char *value = strchr(text, ':');
+
+		found = value && !strncmp(text, "model name", 10);
+		if (found) {
+			snprintf(name, (size_t)size, "%s", value + 2);
+			name[strcspn(name, "\n")] = '\0';
+		}
+	}
+	if (f) {
+		fclose(f);
+	}
+	return found;
+}
+
+void cli_cpu_name(char *name, int size)
+{
+	struct utsname u;
+
+	if (!cpuinfo_name(name, size)) {
+		snprintf(name, (size_t)size, "%s", uname(&u) ? "unknown" : u.machine);
+	}
+}
+
+uint32_t cli_cpus(void)
+{
+	cpu_set_t set;
+	int n = sched_getaffinity(0, sizeof(set), &set) ? 1 : CPU_COUNT(&set);
+
+	return n > 0 ? (uint32_t)n : 1;
+}

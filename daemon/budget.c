@@ -3,13 +3,11 @@
  */
 #include "budget.h"
 
-#define SAMPLES_MIN 256u
-
 uint32_t budget_samples(double ns_per_sample, double overhead_ns, int64_t target_ns,
 			int64_t ceiling_ns, uint32_t max)
 {
 	double aim_ns = (double)(target_ns < ceiling_ns ? target_ns : ceiling_ns);
-	uint32_t n = SAMPLES_MIN;
+	uint32_t n = BUDGET_SAMPLES_MIN;
 
 	/* Written so that a cost that is not a number fits nothing. */
 	if (max < n || !(overhead_ns + n * ns_per_sample <= (double)ceiling_ns)) {

@@ -6,13 +6,15 @@
 
 #include <stdint.h>
 
+#define BUDGET_SAMPLES_MIN 256u /* fewer are no evidence */
+
 /**
  * budget_samples - largest power of two that fits
  * @ns_per_sample: measured cost of one sample with all futures, > 0
  * @overhead_ns:   fixed cost of a batch, >= 0
  * @target_ns:     aim; @ceiling_ns: hard bound (530 ms); both > 0
  * @max:           configured N (the choice never exceeds it)
- * Returns N in [256, max]; 0 if not even 256 samples fit the ceiling. Pure.
+ * Returns N in [BUDGET_SAMPLES_MIN, max]; 0 if not even the minimum fits the ceiling. Pure.
  */
 uint32_t budget_samples(double ns_per_sample, double overhead_ns, int64_t target_ns,
 			int64_t ceiling_ns, uint32_t max);

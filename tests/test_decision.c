@@ -1,0 +1,535 @@
+/* SPDX-License-Identifier: MIT
+ * decision: every rule of the table at its edges, memory (warning first, hold, release), what overrides it, the
+ * deterministic rule, and evidence too thin to judge by.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include <math.h>
+#include "clock.h"
+#include "decision.h"
+#include "fault.h"
+
+#define MS    CLOCK_NS_PER_MS
+#define START (100 * CLOCK_NS_PER_S)
+#define EPS   1e-9
+
+static struct config defaults(void)
+{
+	struct config c = {
+		.mc_horizon = 10,
+		.brake_accel = -6,
+		.brake_accel_partial = -4,
+		.brake_delay = 0.1,
+		.driver_reaction = 1,
+		.driver_accel = -3.92,
+		.radar_confirm_scans = 4,
+		.decision_period = 0.05,
+		.decision_p_warn = 0.05,
+		.decision_p_defer = 0.05,
+		.decision_p_driver = 0.5,
+		.decision_p_nobody = 0.5,
+		.decision_p_release = 0.05,
+		.decision_partial_share = 0.1,
+		.decision_release_evals = 4,
+		.decision_release_closing = 0.3,
+		.decision_hold = 0.4,
+		.decision_speed_min = 2.8,
+		.decision_speed_max = 70,
+		.decision_standstill = 0.2,
+		.decision_fallback_ttc = 0.9,
+	};
+
+	return c;
+}
+
+/* 20 m/s behind a lead at 15 m/s, 30 m ahead. */
+static struct scene approach(void)
+{
+	struct scene s = {
+		.ego_valid = 1, .lead_valid = 1, .lead_scans = 10, .x = {30, 20, 0, 15, 0}};
+
+	s.driver_brake = s.driver_accel = -1;
+	return s;
+}
+
+/* A result whose intervals are points, so that lower and upper ends are the figures given. */
+static struct mc_result result(double defer, double driver, double nobody)
+{
+	const double p[FUTURES] = {[FUTURE_DEFER] = defer,
+				   [FUTURE_NOW] = defer,
+				   [FUTURE_DRIVER] = driver,
+				   [FUTURE_NOBODY] = nobody};
+	struct mc_result r = {.n = 16384, .n_futures = FUTURES};
+
+	for (int i = 0; i < FUTURES; i++) {
+		r.risk[i] = (struct mc_risk){.p = p[i], .lo = p[i], .hi = p[i]};
+	}
+	return r;
+}
+
+struct run {
+	struct config cfg;
+	struct scene scene;
+	struct decision_state st;
+	uint32_t fault;
+	int64_t now_ns;
+};
+
+static struct run fresh(enum stage_level level)
+{
+	struct run r = {.cfg = defaults(), .scene = approach(), .now_ns = START};
+
+	r.st.level = level;
+	r.st.entered_ns = START - CLOCK_NS_PER_S;
+	return r;
+}
+
+static struct decision step(struct run *r, const struct mc_result *res)
+{
+	struct decision d = decision_step(&r->cfg, res, &r->scene, r->fault, r->now_ns, &r->st);
+
+	r->now_ns += 50 * MS;
+	return d;
+}
+
+static struct decision step_p(struct run *r, double defer, double driver, double nobody)
+{
+	struct mc_result res = result(defer, driver, nobody);
+
+	return step(r, &res);
+}
+
+#define expect(d, l, c)                                                     \
+	do {                                                                \
+		struct decision got_ = (d);                                 \
+		assert_string_equal(level_name[got_.level], level_name[l]); \
+		assert_string_equal(cause_name[got_.cause], cause_name[c]); \
+	} while (0)
+
+static void test_futures(void **arg)
+{
+	struct config cfg = defaults();
+	struct model_future f[MC_FUTURES_MAX];
+
+	(void)arg;
+	decision_futures(&cfg, f);
+	assert_true(f[FUTURE_NOW].accel_cmd_mps2 == -6.0f && f[FUTURE_NOW].extra_delay_s == 0);
+	assert_true(f[FUTURE_DEFER].accel_cmd_mps2 == -6.0f);
+	assert_true(f[FUTURE_DEFER].extra_delay_s == 0.05f);
+	assert_true(f[FUTURE_DRIVER].accel_cmd_mps2 == -3.92f);
+	assert_true(f[FUTURE_DRIVER].extra_delay_s == 1.0f);
+	assert_true(f[FUTURE_NOBODY].extra_delay_s >= 10.0f);
+}
+
+/* Each row of the rule at and just above each of its thresholds, from each level that matters. */
+static void test_rule(void **arg)
+{
+	static const struct {
+		enum stage_level from;
+		int partial;
+		double defer, driver, nobody;
+		enum stage_level to;
+	} row[] = {
+		{LEVEL_NONE, 0, 0, 0, 0, LEVEL_NONE},
+		{LEVEL_NONE, 0, 0, 0.05, 0.5 + EPS, LEVEL_NONE},
+		{LEVEL_NONE, 0, 0, 0.05 + EPS, 0.5, LEVEL_NONE},
+		{LEVEL_NONE, 0, 0, 0.05 + EPS, 0.5 + EPS, LEVEL_WARN},
+		{LEVEL_NONE, 0, 1, 1, 1, LEVEL_WARN}, /* never braking without a warning first */
+		{LEVEL_NONE, 1, 1, 1, 1, LEVEL_WARN},
+		{LEVEL_WARN, 0, 0.05, 1, 1, LEVEL_WARN},
+		{LEVEL_WARN, 0, 0.05 + EPS, 0.5, 1, LEVEL_WARN},
+		{LEVEL_WARN, 0, 0.05 + EPS, 0.5 + EPS, 0.5, LEVEL_WARN},
+		{LEVEL_WARN, 0, 0.05 + EPS, 0.5 + EPS, 0.5 + EPS, LEVEL_FULL},
+		{LEVEL_WARN, 1, 0.005, 1, 1, LEVEL_WARN},
+		{LEVEL_WARN, 1, 0.005 + EPS, 0.5, 1, LEVEL_WARN},
+		{LEVEL_WARN, 1, 0.005 + EPS, 0.5 + EPS, 0.5, LEVEL_WARN},
+		{LEVEL_WARN, 1, 0.005 + EPS, 0.5 + EPS, 0.5 + EPS, LEVEL_PARTIAL},
+		{LEVEL_WARN, 0, 0.005 + EPS, 0.5 + EPS, 0.5 + EPS, LEVEL_WARN},
+		{LEVEL_WARN, 1, 0.05 + EPS, 0.5 + EPS, 0.5 + EPS, LEVEL_FULL},
+		{LEVEL_PARTIAL, 1, 0.05 + EPS, 0.5 + EPS, 0.5 + EPS, LEVEL_FULL},
+		{LEVEL_PARTIAL, 1, 0, 0.1, 1, LEVEL_PARTIAL}, /* the rule alone never lowers */
+		{LEVEL_FULL, 0, 0, 0.1, 1, LEVEL_FULL},
+		{LEVEL_FULL, 1, 0.01, 1, 1, LEVEL_FULL},
+	};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct run r = fresh(row[i].from);
+		struct decision d;
+
+		r.cfg.decision_partial = row[i].partial;
+		d = step_p(&r, row[i].defer, row[i].driver, row[i].nobody);
+		if (d.level != row[i].to) {
+			fail_msg("row %zu: %s, not %s", i, level_name[d.level],
+				 level_name[row[i].to]);
+		}
+		assert_int_equal(d.changed, row[i].to != row[i].from);
+		assert_int_equal(r.st.level, d.level);
+		assert_int_equal(r.st.entered[d.level], d.changed);
+	}
+}
+
+/* Entering looks at the lower ends, releasing at the upper end; the estimate itself decides nothing. */
+static void test_interval_ends(void **arg)
+{
+	struct run r = fresh(LEVEL_WARN);
+	struct mc_result res = result(0.06, 1, 1);
+
+	(void)arg;
+	res.risk[FUTURE_DEFER].lo = 0.05;
+	expect(step(&r, &res), LEVEL_WARN, CAUSE_RISK);
+	res.risk[FUTURE_DEFER].lo = 0.05 + EPS;
+	res.risk[FUTURE_DEFER].p = 0;
+	expect(step(&r, &res), LEVEL_FULL, CAUSE_RISK);
+
+	r = fresh(LEVEL_FULL);
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	res = result(0, 0, 0);
+	res.risk[FUTURE_NOBODY].hi = 0.05;
+	for (int i = 0; i < 20; i++) {
+		expect(step(&r, &res), LEVEL_FULL, CAUSE_HOLD);
+	}
+	res.risk[FUTURE_NOBODY].hi = 0.05 - EPS;
+	res.risk[FUTURE_NOBODY].p = 1;
+	for (int i = 0; i < 3; i++) {
+		expect(step(&r, &res), LEVEL_FULL, CAUSE_HOLD);
+	}
+	expect(step(&r, &res), LEVEL_NONE, CAUSE_RELEASED);
+}
+
+/* A risk that is not a number enters nothing and releases nothing. */
+static void test_nan_is_no_risk_and_no_safety(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	for (int i = 0; i < 20; i++) {
+		expect(step_p(&r, NAN, NAN, NAN), LEVEL_FULL, CAUSE_HOLD);
+	}
+	r = fresh(LEVEL_NONE);
+	expect(step_p(&r, NAN, NAN, NAN), LEVEL_NONE, CAUSE_NONE);
+}
+
+static void test_warning_then_full_then_release(void **arg)
+{
+	struct run r = fresh(LEVEL_NONE);
+	struct decision d;
+
+	(void)arg;
+	expect(step_p(&r, 0, 0, 0.2), LEVEL_NONE, CAUSE_NONE);
+	d = step_p(&r, 1, 1, 1);
+	expect(d, LEVEL_WARN, CAUSE_RISK);
+	assert_true(d.changed && d.accel_mps2 == 0);
+	assert_int_equal(r.st.warned_ns, START + 50 * MS);
+	d = step_p(&r, 1, 1, 1); /* the next evaluation at the earliest */
+	expect(d, LEVEL_FULL, CAUSE_RISK);
+	assert_true(d.changed && d.accel_mps2 == -6);
+	assert_int_equal(r.st.entered_ns, START + 100 * MS);
+	assert_int_equal(r.st.warned_ns, START + 50 * MS);
+	d = step_p(&r, 1, 1, 1);
+	assert_false(d.changed);
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	for (int i = 0; i < 6;
+	     i++) { /* calm at once, but 0.4 s after entry is the 8th evaluation */
+		expect(step_p(&r, 0, 0, 0), LEVEL_FULL, CAUSE_HOLD);
+	}
+	d = step_p(&r, 0, 0, 0);
+	expect(d, LEVEL_NONE, CAUSE_RELEASED);
+	assert_true(d.changed && d.accel_mps2 == 0);
+	expect(step_p(&r, 0, 0, 0), LEVEL_NONE, CAUSE_NONE);
+	assert_int_equal(r.st.entered[LEVEL_WARN], 1);
+	assert_int_equal(r.st.entered[LEVEL_FULL], 1);
+	assert_int_equal(r.st.entered[LEVEL_NONE], 1);
+	expect(step_p(&r, 1, 1, 1), LEVEL_WARN, CAUSE_RISK); /* a new danger warns first again */
+}
+
+static void test_partial_accel(void **arg)
+{
+	struct run r = fresh(LEVEL_WARN);
+	struct decision d;
+
+	(void)arg;
+	r.cfg.decision_partial = 1;
+	d = step_p(&r, 0.01, 1, 1);
+	expect(d, LEVEL_PARTIAL, CAUSE_RISK);
+	assert_true(d.accel_mps2 == -4);
+}
+
+static void test_hold_edge(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	r.cfg.decision_release_evals = 1;
+	r.st.entered_ns = START - 400 * MS + 1;
+	expect(step_p(&r, 0, 0, 0), LEVEL_FULL, CAUSE_HOLD);
+	r = fresh(LEVEL_FULL);
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	r.cfg.decision_release_evals = 1;
+	r.st.entered_ns = START - 400 * MS;
+	expect(step_p(&r, 0, 0, 0), LEVEL_NONE, CAUSE_RELEASED);
+}
+
+static void test_one_alarm_restarts_the_count(void **arg)
+{
+	struct run r = fresh(LEVEL_WARN);
+
+	(void)arg;
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	for (int i = 0; i < 3; i++) {
+		expect(step_p(&r, 0, 0, 0), LEVEL_WARN, CAUSE_HOLD);
+	}
+	expect(step_p(&r, 0, 0, 0.05), LEVEL_WARN, CAUSE_HOLD);
+	for (int i = 0; i < 3; i++) {
+		expect(step_p(&r, 0, 0, 0), LEVEL_WARN, CAUSE_HOLD);
+	}
+	expect(step_p(&r, 0, 0, 0), LEVEL_NONE, CAUSE_RELEASED);
+}
+
+static void test_no_release_while_closing(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.cfg.decision_release_closing = 0.25;
+	r.scene.x[SCENE_LEAD_SPEED] = 19.5;
+	for (int i = 0; i < 10; i++) {
+		expect(step_p(&r, 0, 0, 0), LEVEL_FULL, CAUSE_HOLD);
+	}
+	r.scene.x[SCENE_LEAD_SPEED] = 19.75; /* at the limit */
+	expect(step_p(&r, 0, 0, 0), LEVEL_NONE, CAUSE_RELEASED);
+}
+
+static void test_standstill(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.scene.x[SCENE_EGO_SPEED] = 0.2;
+	expect(step_p(&r, 1, 1, 1), LEVEL_FULL, CAUSE_RISK); /* below speed_min: goes on */
+	r.scene.x[SCENE_EGO_SPEED] = 0.2 - EPS;
+	expect(step_p(&r, 1, 1, 1), LEVEL_NONE, CAUSE_STANDSTILL);
+	expect(step_p(&r, 1, 1, 1), LEVEL_NONE, CAUSE_STANDSTILL);
+}
+
+static void test_driver_override(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.scene.driver_accel = 1;
+	expect(step_p(&r, 1, 1, 1), LEVEL_WARN, CAUSE_DRIVER);
+	expect(step_p(&r, 1, 1, 1), LEVEL_WARN, CAUSE_DRIVER);
+	r.scene.driver_accel = 0;
+	expect(step_p(&r, 1, 1, 1), LEVEL_FULL, CAUSE_RISK);
+	r = fresh(LEVEL_NONE);
+	r.scene.driver_accel = 1;
+	expect(step_p(&r, 0, 1, 1), LEVEL_WARN, CAUSE_RISK); /* a warning stays possible */
+	r = fresh(LEVEL_FULL);
+	r.scene.driver_accel = 0;
+	r.scene.driver_brake = 1; /* a braking driver is supported, not obeyed */
+	expect(step_p(&r, 1, 1, 1), LEVEL_FULL, CAUSE_RISK);
+}
+
+static void test_speed_range(void **arg)
+{
+	static const struct {
+		double speed;
+		enum stage_level from, to;
+		enum decision_cause cause;
+	} row[] = {
+		{2.8, LEVEL_NONE, LEVEL_WARN, CAUSE_RISK},
+		{2.8 - EPS, LEVEL_NONE, LEVEL_NONE, CAUSE_INHIBITED},
+		{2.8 - EPS, LEVEL_WARN, LEVEL_WARN, CAUSE_INHIBITED},
+		{2.8, LEVEL_WARN, LEVEL_FULL, CAUSE_RISK},
+		{2.8 - EPS, LEVEL_FULL, LEVEL_FULL, CAUSE_RISK},
+		{70, LEVEL_NONE, LEVEL_WARN, CAUSE_RISK},
+		{70 + EPS, LEVEL_NONE, LEVEL_NONE, CAUSE_INHIBITED},
+		{70 + EPS, LEVEL_WARN, LEVEL_WARN, CAUSE_INHIBITED},
+	};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct run r = fresh(row[i].from);
+
+		r.scene.x[SCENE_EGO_SPEED] = row[i].speed;
+		expect(step_p(&r, 1, 1, 1), row[i].to, row[i].cause);
+	}
+}
+
+/* States that allow no request end one at once, whatever the hold says; DEGRADED does not. */
+static void test_inhibited(void **arg)
+{
+	(void)arg;
+	for (int i = 0; i < FAULTS; i++) {
+		struct run r = fresh(LEVEL_FULL);
+		int allowed = fault_table[i].state == STATE_DEGRADED;
+
+		r.fault = 1u << i;
+		r.st.entered_ns = START;
+		expect(step_p(&r, 1, 1, 1), allowed ? LEVEL_FULL : LEVEL_NONE,
+		       allowed ? CAUSE_RISK : CAUSE_INHIBITED);
+	}
+	struct run r = fresh(LEVEL_FULL);
+
+	r.scene.ego_valid = 0;
+	expect(step_p(&r, 1, 1, 1), LEVEL_NONE, CAUSE_INHIBITED);
+}
+
+static void test_thin_evidence(void **arg)
+{
+	struct mc_result res = result(1, 1, 1);
+	struct run r = fresh(LEVEL_NONE);
+
+	(void)arg;
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_EVIDENCE); /* no result */
+	res.n = 255;
+	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+	res.n = 256;
+	r.scene.lead_scans = 3;
+	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+	r.scene.lead_scans = 4;
+	r.scene.lead_valid = 0;
+	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+	r.scene.lead_valid = 1;
+	expect(step(&r, &res), LEVEL_WARN, CAUSE_RISK);
+}
+
+/* Losing the lead while braking keeps the brakes on for the hold and the calm evaluations, no longer. */
+static void test_lead_lost_while_braking(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.scene.lead_valid = 0;
+	for (int i = 0; i < 3; i++) {
+		expect(step(&r, NULL), LEVEL_FULL, CAUSE_HOLD);
+	}
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+}
+
+/* gap, ego and lead speed, lead acceleration -> level by the deterministic rule */
+static void test_fallback(void **arg)
+{
+	static const struct {
+		double gap, ego, lead, lead_accel;
+		enum stage_level from, to;
+	} row[] = {
+		{9.1, 20, 10, 0, LEVEL_WARN, LEVEL_WARN}, /* 0.91 s */
+		{8.9, 20, 10, 0, LEVEL_WARN, LEVEL_FULL}, /* 0.89 s */
+		{8.9, 20, 10, 0, LEVEL_NONE, LEVEL_WARN}, /* a warning comes first */
+		{37.9, 20, 0, 0, LEVEL_NONE, LEVEL_WARN}, /* 1.895 s, 5.6 m/s2 needed */
+		{38.1, 20, 0, 0, LEVEL_NONE, LEVEL_NONE}, /* 1.905 s */
+		{15, 20, 10, 0, LEVEL_NONE, LEVEL_NONE},  /* 1.5 s, but 3.6 m/s2 are enough */
+		{15, 20, 10, -1, LEVEL_NONE, LEVEL_WARN}, /* and no longer where the lead brakes */
+		{15, 20, 10, 1, LEVEL_NONE, LEVEL_NONE},  /* its acceleration is not counted on */
+		{0.8, 5, 4, 0, LEVEL_WARN, LEVEL_WARN},   /* 0.8 s, 0.7 m/s2: stop and go */
+		{0.2, 5, 4, 0, LEVEL_WARN, LEVEL_FULL},
+		{0.05, 5, 4, 0, LEVEL_WARN, LEVEL_FULL},  /* less room than the delay takes */
+		{0.05, 5, 4, -5, LEVEL_WARN, LEVEL_FULL}, /* both room and reserve below zero */
+		{5, 20, 20, -9, LEVEL_NONE, LEVEL_NONE},  /* not closing */
+		{5, 20, 21, -9, LEVEL_NONE, LEVEL_NONE},
+	};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct run r = fresh(row[i].from);
+		struct decision d;
+
+		r.fault = FAULT_BIT(MC_ERROR);
+		r.scene.x[SCENE_HEADWAY] = row[i].gap;
+		r.scene.x[SCENE_EGO_SPEED] = row[i].ego;
+		r.scene.x[SCENE_LEAD_SPEED] = row[i].lead;
+		r.scene.x[SCENE_LEAD_ACCEL] = row[i].lead_accel;
+		d = step(&r, NULL);
+		if (d.level != row[i].to) {
+			fail_msg("row %zu: %s, not %s", i, level_name[d.level],
+				 level_name[row[i].to]);
+		}
+		if (d.level > row[i].from) {
+			assert_int_equal(d.cause, CAUSE_FALLBACK);
+		}
+	}
+}
+
+/* The deterministic rule stands in for missing risk in DEGRADED alone, and never overrules a result. */
+static void test_fallback_only_when_degraded_and_blind(void **arg)
+{
+	struct mc_result thin = result(0, 0, 0);
+	struct run r = fresh(LEVEL_WARN);
+
+	(void)arg;
+	r.scene.x[SCENE_HEADWAY] = 2;
+	expect(step(&r, NULL), LEVEL_WARN, CAUSE_HOLD);
+	r.fault = FAULT_BIT(MC_LATE);
+	expect(step_p(&r, 0, 1, 1), LEVEL_WARN, CAUSE_RISK);
+	thin.n = 255;
+	expect(step(&r, &thin), LEVEL_FULL, CAUSE_FALLBACK);
+	r = fresh(LEVEL_WARN);
+	r.scene.x[SCENE_HEADWAY] = 2;
+	r.fault = FAULT_BIT(MC_LATE) | FAULT_BIT(EGO_STALE);
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_INHIBITED);
+	r = fresh(LEVEL_WARN);
+	r.scene.x[SCENE_HEADWAY] = 2;
+	r.fault = FAULT_BIT(MC_LATE);
+	r.scene.lead_scans = 3;
+	expect(step(&r, NULL), LEVEL_WARN, CAUSE_HOLD);
+}
+
+static void test_fallback_releases(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	r.fault = FAULT_BIT(MC_ERROR);
+	r.scene.x[SCENE_LEAD_SPEED] = 20;
+	for (int i = 0; i < 3; i++) {
+		expect(step(&r, NULL), LEVEL_FULL, CAUSE_HOLD);
+	}
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_FALLBACK);
+}
+
+static void test_names(void **arg)
+{
+	(void)arg;
+	for (int i = 0; i < LEVELS; i++) {
+		assert_non_null(level_name[i]);
+	}
+	for (int i = 0; i < CAUSES; i++) {
+		assert_non_null(cause_name[i]);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_futures),
+		cmocka_unit_test(test_rule),
+		cmocka_unit_test(test_interval_ends),
+		cmocka_unit_test(test_nan_is_no_risk_and_no_safety),
+		cmocka_unit_test(test_warning_then_full_then_release),
+		cmocka_unit_test(test_partial_accel),
+		cmocka_unit_test(test_hold_edge),
+		cmocka_unit_test(test_one_alarm_restarts_the_count),
+		cmocka_unit_test(test_no_release_while_closing),
+		cmocka_unit_test(test_standstill),
+		cmocka_unit_test(test_driver_override),
+		cmocka_unit_test(test_speed_range),
+		cmocka_unit_test(test_inhibited),
+		cmocka_unit_test(test_thin_evidence),
+		cmocka_unit_test(test_lead_lost_while_braking),
+		cmocka_unit_test(test_fallback),
+		cmocka_unit_test(test_fallback_only_when_degraded_and_blind),
+		cmocka_unit_test(test_fallback_releases),
+		cmocka_unit_test(test_names),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

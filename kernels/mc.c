@@ -43,6 +43,7 @@ struct mc {
 	int stop;                     /* atomic */
 	int wake_fd, done_fd;         /* -1 for an inline handle */
 	int threaded;
+	int spins;
 	pthread_t thread;
 };
 
@@ -94,7 +95,7 @@ static void *work(void *arg)
 		if (box_take(&mc->in)) {
 			run_front(mc);
 			ring(mc->done_fd);
-		} else {
+		} else if (!mc->spins) {
 			eventfd_read(mc->wake_fd, &n);
 		}
 	}
@@ -130,6 +131,7 @@ int mc_open(const struct mc_ops *ops, const struct mc_params *p, int worker, str
 	}
 	mc->ops = ops;
 	mc->in = mc->out = (struct box){.back = 0, .between = 1, .front = 2};
+	mc->spins = worker == MC_WORKER_SPINS;
 	mc->wake_fd = mc->done_fd = -1;
 	err = ops->open(p, &mc->backend);
 	if (!err && worker) {
@@ -155,9 +157,9 @@ int mc_submit(struct mc *mc, const struct mc_request *req)
 	e->req = *req;
 	__atomic_store_n(&mc->submitted, e->seq, __ATOMIC_RELAXED);
 	replaced = box_put(&mc->in);
-	if (mc->threaded) {
+	if (mc->threaded && !mc->spins) {
 		ring(mc->wake_fd);
-	} else if (box_take(&mc->in)) {
+	} else if (!mc->threaded && box_take(&mc->in)) {
 		run_front(mc);
 	}
 	return replaced;

@@ -82,6 +82,10 @@ struct mc_result {
 
 extern const double mc_risk_level[MC_RISKS]; /* 0.05, 0.01, 0.001 */
 
+/* Who runs the requests: the caller inside mc_submit (replay, tools), or one compute thread that sleeps or spins (on a
+ * core of its own) until the next one comes. */
+enum mc_worker { MC_INLINE, MC_WORKER, MC_WORKER_SPINS };
+
 /* How to open a backend. */
 enum mc_draws_kind { MC_SOBOL, MC_PHILOX };
 struct mc_params {
@@ -120,7 +124,7 @@ void mc_preset_paper(struct mc_request *req, float headway_m, uint32_t n);
 /**
  * mc_open - open a backend behind a mailbox
  * @ops:    the backend                     @p: how to open it
- * @worker: 1: one compute thread runs requests; 0: mc_submit runs them inline (replay, tools)
+ * @worker: enum mc_worker
  * @ret:    the handle; untouched on failure
  * Allocates; blocks while draws are made. Returns 0 or -errno of the backend. One thread uses a handle at a time; the
  * compute thread takes no signals.

@@ -1,0 +1,486 @@
+/* SPDX-License-Identifier: MIT
+ * The fast rollout: the scenes of model.h in f32 without time steps. Actuator lag, friction bound, grade and drag have
+ * closed forms; closest approach and first contact are roots found in a few corrections.
+ * Host and device, same bits. Each stage is a branch-free function of one lane: a device thread calls them in a row
+ * (rollout_sample), the CPU runs each over a block of lanes (lanes.c), where the compiler vectorises it.
+ */
+#ifndef AEBMC_ROLLOUT_H
+#define AEBMC_ROLLOUT_H
+
+#include "model.h"
+
+#define ROLLOUT_NEVER_S 1e6f /* an event that does not come; far beyond any horizon */
+
+/* What all lanes of a batch share, made once by rollout_plan(). */
+struct rollout_plan {
+	float drag_gain; /* rho A_f / 2 */
+	float gravity_mps2;
+	float h_over_l; /* 0 where the bound is plain friction */
+	float horizon_s;
+	float cmd_mps2; /* F = |a_cmd| */
+	float extra_s;
+};
+
+/*
+ * One lane. Times s count from brake onset, t from the scene. Braking has up to two phases: P1 from onset, force
+ * F + G - (F + a_i) e^(-s/tau); P2 from the kink where the friction bound is reached, force P + G.
+ * base_*: the phase that lasts to the end. */
+#define ROLLOUT_FIELDS(X)                                                                                              \
+	/* the inputs, in the order of enum model_input */                                                            \
+	X(headway) X(v0) X(a0) X(vl) X(al) X(mu) X(theta) X(mass) X(drag) X(tau) X(delay)                              \
+	/* scene: shared by all futures */                                                                            \
+	X(k)         /* drag: v' = ... - k v^2          [1/m] */                                                      \
+	X(grade)     /* G = g sin(theta)                [m/s2] */                                                     \
+	X(bound)     /* P, eq. 5                        [m/s2] */                                                     \
+	X(rate)      /* 1 / tau */                                                                                    \
+	X(lead_stop) /* t_L: the lead stands from here  [s] */                                                        \
+	/* coast: before onset */                                                                                     \
+	X(onset) X(v1) X(x1) X(near_0)                                                                                   \
+	/* match: P1 as flow under the constant force c1 from speed r0, and its transient */                           \
+	X(c1) X(r0) X(ka) X(fe) X(b2) X(d0)                                                                            \
+	/* kink and P2 */                                                                                             \
+	X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s)                                                      \
+	/* stop */                                                                                                    \
+	X(end_s) X(stop) X(end_v)                                                                                      \
+	/* closest approach in the braking phase */                                                                   \
+	X(near_s) X(near_lo) X(near_hi) X(near_rel) X(need)                                                                    \
+	/* first contact */                                                                                           \
+	X(hit_t) X(hit_lo) X(hit_hi) X(impact)                                                                         \
+	/* lanes a correction pass still works on: 1 or 0 */                                                          \
+	X(want)
+
+struct rollout {
+#define ROLLOUT_MEMBER(name) float name;
+	ROLLOUT_FIELDS(ROLLOUT_MEMBER)
+#undef ROLLOUT_MEMBER
+};
+
+/** rollout_plan - constants of a batch for one future; ranges as in model.h. Pure. */
+HD struct rollout_plan rollout_plan(const struct model_vehicle *veh, const struct model_future *fut, float horizon_s)
+{
+	struct rollout_plan p;
+
+	p.drag_gain = 0.5f * veh->rho_kgpm3 * veh->area_m2;
+	p.gravity_mps2 = veh->gravity_mps2;
+	p.h_over_l = veh->bound == MODEL_BOUND_PAPER ? veh->cg_height_m / veh->wheelbase_m : 0.0f;
+	p.horizon_s = horizon_s;
+	p.cmd_mps2 = -fut->accel_cmd_mps2;
+	p.extra_s = fut->extra_delay_s;
+	return p;
+}
+
+/** rollout_scene - first stage: what all futures of a lane share. */
+HD void rollout_scene(struct rollout *r, const struct rollout_plan *p)
+{
+	const float load = det_fmaf(r->mu, p->h_over_l, 1.0f);
+	const float inv = 1.0f / (r->mass * load * r->tau);
+	const float lead_stop = r->al < 0.0f ? r->vl / det_maxf(-r->al, 1e-5f) : ROLLOUT_NEVER_S;
+
+	r->k = p->drag_gain * r->drag * (load * r->tau * inv);
+	r->bound = r->mu * p->gravity_mps2 * (r->mass * r->tau * inv);
+	r->rate = r->mass * load * inv;
+	r->grade = p->gravity_mps2 * det_sinf(r->theta);
+	r->lead_stop = det_maxf(r->vl, r->al) > 0.0f ? lead_stop : 0.0f;
+}
+
+/* Where the lead is at t, and how fast. */
+HD float rollout_lead_x(const struct rollout *r, float t)
+{
+	const float tc = det_minf(t, r->lead_stop);
+
+	return tc * det_fmaf(0.5f * r->al, tc, r->vl);
+}
+
+HD float rollout_lead_v(const struct rollout *r, float t)
+{
+	return t < r->lead_stop ? det_fmaf(r->al, t, r->vl) : 0.0f;
+}
+
+/** rollout_coast - constant acceleration until the brake acts, and the closest approach of that time. */
+HD void rollout_coast(struct rollout *r, const struct rollout_plan *p)
+{
+	const float onset = det_minf(r->delay + p->extra_s, p->horizon_s);
+	const float stop = r->a0 < 0.0f ? r->v0 / det_maxf(-r->a0, 1e-5f) : ROLLOUT_NEVER_S;
+	const float t1 = det_minf(onset, stop);
+	const float v1 = det_maxf(det_fmaf(r->a0, onset, r->v0), 0.0f);
+	const float closing = det_maxf(r->v0 - r->vl, 0.0f);
+	const float t0 = closing / det_maxf(r->al - r->a0, 1e-5f);
+
+	r->onset = onset;
+	r->v1 = stop > onset ? v1 : 0.0f;
+	r->x1 = t1 * det_fmaf(0.5f * r->a0, t1, r->v0);
+	r->near_0 = t0 < det_minf(onset, r->lead_stop) ? 0.5f * closing * t0 : 0.0f;
+}
+
+/* Speed and distance after s under v' = -(c + k v^2) from v0: Pade form of tan, any sign of c and k >= 0. */
+struct rollout_flow {
+	float v, x;
+};
+
+/* atanh(sqrt(h)) / sqrt(h), h <= 0.25 (2e-8) */
+HD float rollout_atanh(float h)
+{
+	float a = 0.1817401f;
+
+	a = det_fmaf(a, h, 0.0824370f);
+	a = det_fmaf(a, h, 0.1466914f);
+	a = det_fmaf(a, h, 0.1997822f);
+	a = det_fmaf(a, h, 0.3333373f);
+	return det_fmaf(a, h, 1.0f);
+}
+
+HD struct rollout_flow rollout_flow(float v0, float c, float k, float s)
+{
+	const float z = k * c * s * s;
+	const float sn = s * det_fmaf(z, det_fmaf(z, 1.0f / 945.0f, -1.0f / 9.0f), 1.0f);
+	const float d = det_fmaf(z, det_fmaf(z, 1.0f / 63.0f, -4.0f / 9.0f), 1.0f);
+	const float kv = k * v0;
+	const float den = det_fmaf(kv, sn, d);
+	const float num_y = sn * det_fmaf(v0, d, 0.5f * sn * det_fmaf(kv, v0, -c));
+	const float den_y = det_fmaf(d, den, 0.5f * k * sn * sn * det_fmaf(kv, v0, c));
+	const float y = num_y / den_y;
+	const float ky = k * y;
+	struct rollout_flow f;
+
+	f.v = det_fmaf(v0, d, -c * sn) / den;
+	f.x = y * rollout_atanh(ky * ky);
+	return f;
+}
+
+/* The actuator's transient, first and second order in e = e^(-s/tau), on top of the flow: polynomials in its speed. */
+HD float rollout_lag_v(const struct rollout *r, float v, float e)
+{
+	const float ep = r->k * r->tau * v;
+	const float w = det_fmaf(r->ka, det_fmaf(16.0f, r->ka, -4.0f), 1.0f);
+	const float d1 = -r->fe * r->tau * w * det_fmaf(2.0f * ep, 1.0f + ep, det_fmaf(2.0f, r->ka, 1.0f));
+	const float d2 = r->b2 * det_fmaf(ep, det_fmaf(10.5f, ep, 5.0f), det_fmaf(-6.5f, r->ka, 1.0f));
+
+	return e * det_fmaf(e, d2, d1);
+}
+
+HD float rollout_lag_x(const struct rollout *r, float v, float e)
+{
+	const float ep = r->k * r->tau * v;
+	const float w = det_fmaf(r->ka, det_fmaf(16.0f, r->ka, -4.0f), 1.0f);
+	const float d1 = r->fe * r->tau * w * det_fmaf(2.0f, ep, 1.0f);
+	const float d2 = -0.5f * r->b2 * det_fmaf(ep, det_fmaf(8.0f, ep, 5.0f), det_fmaf(-9.0f, r->ka, 1.0f));
+
+	return r->tau * e * det_fmaf(e, d2, d1);
+}
+
+/** rollout_match - the constant-force flow that, with its transient, starts at v1. */
+HD void rollout_match(struct rollout *r, const struct rollout_plan *p)
+{
+	const float f = p->cmd_mps2;
+	const float start = det_maxf(r->a0, -det_minf(f, r->bound));
+
+	r->fe = f + start;
+	r->c1 = f + r->grade;
+	r->ka = r->k * r->c1 * r->tau * r->tau;
+	r->b2 = 0.5f * r->k * r->tau * (r->fe * r->tau) * (r->fe * r->tau);
+	r->r0 = det_fmaf(r->fe, r->tau, r->v1);
+	r->r0 = r->v1 - rollout_lag_v(r, r->r0, 1.0f);
+	r->r0 = r->v1 - rollout_lag_v(r, r->r0, 1.0f);
+	r->r0 = r->v1 - rollout_lag_v(r, r->r0, 1.0f);
+	r->d0 = rollout_lag_x(r, r->r0, 1.0f);
+}
+
+/** rollout_kink - where the friction bound is reached, if it is, and from where the last phase starts. */
+HD void rollout_kink(struct rollout *r, const struct rollout_plan *p)
+{
+	const float over = p->cmd_mps2 - r->bound;
+	const float e = det_maxf(over / det_maxf(r->fe, 1e-6f), 1e-10f);
+	const float ek = over > 0.0f ? det_minf(e, 0.9999999f) : 0.5f; /* below 1: sk > 0 tells P2 from P1 */
+	const float sk = -r->tau * det_logf(ek);
+	const struct rollout_flow f = rollout_flow(r->r0, r->c1, r->k, sk);
+	float at;
+
+	r->v2 = f.v + rollout_lag_v(r, f.v, ek);
+	r->x2 = f.x + rollout_lag_x(r, f.v, ek) - r->d0;
+	at = over > 0.0f ? sk : ROLLOUT_NEVER_S;
+	at = sk < p->horizon_s - r->onset ? at : ROLLOUT_NEVER_S;
+	r->sk = r->v2 > 0.0f ? at : ROLLOUT_NEVER_S;
+	r->base_v = r->sk < ROLLOUT_NEVER_S ? r->v2 : r->r0;
+	r->base_c = r->sk < ROLLOUT_NEVER_S ? r->bound + r->grade : r->c1;
+	r->base_x = r->sk < ROLLOUT_NEVER_S ? r->x2 : -r->d0;
+	r->base_s = r->sk < ROLLOUT_NEVER_S ? r->sk : 0.0f;
+}
+
+/** rollout_stop - time and distance to standstill of the last phase: atan and atanh in closed form. */
+HD void rollout_stop(struct rollout *r)
+{
+	const float c = det_maxf(r->base_c, 1e-4f), v = r->base_v;
+	const float q = r->k * v * v;
+	const float c2 = c * c, cq = c * q, q2 = q * q;
+	const float num = det_fmaf(15015.0f * c, c2, det_fmaf(19250.0f * c, cq, det_fmaf(5943.0f * c, q2, 256.0f * q * q2)));
+	const float den = det_fmaf(15015.0f * c, c2, det_fmaf(24255.0f * c, cq, det_fmaf(11025.0f * c, q2, 1225.0f * q * q2)));
+	const float y = v * v / det_fmaf(2.0f, c, q);
+	const float ky = r->k * y;
+	float end = r->base_s + v * num / (c * den);
+
+	end = r->base_c > 1e-4f ? end : ROLLOUT_NEVER_S;
+	r->end_s = r->v1 > 0.0f ? end : 0.0f;
+	r->stop = r->x1 + (r->v1 > 0.0f ? det_fmaf(y, rollout_atanh(ky * ky), r->base_x) : 0.0f);
+	r->end_v = 0.0f;
+	/* the transient has not died down */
+	end = r->sk < ROLLOUT_NEVER_S ? ROLLOUT_NEVER_S : r->end_s * r->rate;
+	r->want = end < 14.0f ? 1.0f : 0.0f;
+	r->want = r->v1 > 0.0f ? r->want : 0.0f;
+}
+
+/* Distance after onset, speed and its derivative at s, P2 where @two is 1. */
+struct rollout_point {
+	float v, x, dv, fe;
+};
+
+HD struct rollout_point rollout_at(const struct rollout *r, float s, float two)
+{
+	const float v0 = two > 0.0f ? r->v2 : r->r0;
+	const float c = two > 0.0f ? r->bound + r->grade : r->c1;
+	const float x0 = two > 0.0f ? r->x2 : -r->d0;
+	const float s0 = two > 0.0f ? r->sk : 0.0f;
+	const float lag = det_expf(-det_minf(det_maxf(s * r->rate, 0.0f), 28.0f));
+	const float e = two > 0.0f ? 0.0f : lag;
+	const struct rollout_flow f = rollout_flow(v0, c, r->k, s - s0);
+	struct rollout_point pt;
+
+	pt.v = f.v + rollout_lag_v(r, f.v, e);
+	pt.x = f.x + rollout_lag_x(r, f.v, e) + x0;
+	pt.fe = r->fe * e;
+	pt.dv = -(det_fmaf(r->k * pt.v, pt.v, c) - pt.fe);
+	return pt;
+}
+
+/* The positive root of a s^2 + b s + c. */
+HD float rollout_root(float a, float b, float c)
+{
+	const float root = det_sqrtf(det_maxf(det_fmaf(b, b, -4.0f * a * c), 0.0f));
+	const float num = b > 0.0f ? -2.0f * c : root - b;
+	const float den = b > 0.0f ? b + root : 2.0f * a;
+
+	return num / (det_maxf(den, -den) > 1e-9f ? den : 1e-9f);
+}
+
+/** rollout_short - standstill while the transient lasts: quadratic guess, then two corrections. Lanes with want. */
+HD void rollout_short(struct rollout *r, const struct rollout_plan *p)
+{
+	const float slope = r->grade + r->k * r->v1 * r->v1 * (1.0f / 3.0f) - (r->fe - p->cmd_mps2);
+	const float guess = rollout_root(det_fmaf(0.8f, slope, r->fe),
+					 det_fmaf(2.0f * slope, r->tau, -0.8f * r->v1), -2.0f * r->v1 * r->tau);
+	float s = r->end_s * r->rate < 3.0f ? guess : r->end_s;
+	struct rollout_point pt;
+
+	pt = rollout_at(r, s, 0.0f);
+	s = det_maxf(s - pt.v / det_minf(pt.dv, -1e-3f), 0.0f);
+	pt = rollout_at(r, s, 0.0f);
+	pt.dv = det_minf(pt.dv, -1e-3f);
+	r->stop = r->want > 0.0f ? r->x1 + pt.x - 0.5f * pt.v * pt.v / pt.dv : r->stop;
+	r->end_s = r->want > 0.0f ? det_maxf(s - pt.v / pt.dv, 0.0f) : r->end_s;
+}
+
+/** rollout_late - mark the lanes that may still roll at the horizon. */
+HD void rollout_late(struct rollout *r, const struct rollout_plan *p)
+{
+	r->want = r->end_s > p->horizon_s - r->onset - 0.01f ? 1.0f : 0.0f;
+}
+
+/** rollout_roll - speed and distance at the horizon. Lanes with want. */
+HD void rollout_roll(struct rollout *r, const struct rollout_plan *p)
+{
+	const float left = p->horizon_s - r->onset;
+	const struct rollout_point pt = rollout_at(r, left, r->sk < ROLLOUT_NEVER_S ? 1.0f : 0.0f);
+	const float v = r->onset < p->horizon_s ? pt.v : r->v1;
+	const float x = r->onset < p->horizon_s ? pt.x : 0.0f;
+	float end_v = r->want > 0.0f ? v : 0.0f;
+
+	end_v = r->v1 > 0.0f ? det_maxf(end_v, 0.0f) : 0.0f;
+	r->stop = end_v > 0.0f ? r->x1 + x : r->stop;
+	r->end_s = end_v > 0.0f ? left : det_minf(r->end_s, left);
+	r->end_v = end_v;
+}
+
+/** rollout_near - guess when the lead is as fast as the ego again: the one minimum that braking can leave behind. */
+HD void rollout_near(struct rollout *r)
+{
+	const float hi = det_minf(r->end_s, r->lead_stop - r->onset);
+	const float lead_k = rollout_lead_v(r, r->onset + r->sk);
+	float two = r->v2 > lead_k ? 1.0f : 0.0f;
+	const float lead_1 = rollout_lead_v(r, r->onset);
+	float vl, v, c, g, a, b, cc, at3, root;
+
+	two = r->sk < hi ? two : 0.0f;
+	vl = two > 0.0f ? lead_k : lead_1;
+	v = two > 0.0f ? r->v2 : r->r0;
+	c = two > 0.0f ? r->bound + r->grade : r->c1;
+	g = det_fmaf(r->k * v, v, c);
+	a = -r->k * v * g;
+	b = r->al + g;
+	cc = vl - v;
+	/* in P1, a root within the ramp: quadratic fit of the lag instead */
+	at3 = det_fmaf(3.0f * r->tau, det_fmaf(3.0f * r->tau, a, b), cc);
+	at3 = two > 0.0f ? -1.0f : at3;
+	g = r->grade + r->k * r->v1 * r->v1 + r->al - (r->fe - (r->c1 - r->grade));
+	a = at3 > 0.0f ? det_fmaf(0.8f, g, r->fe) : a;
+	b = at3 > 0.0f ? det_fmaf(2.0f * g, r->tau, -0.8f * (r->v1 - lead_1)) : b;
+	cc = at3 > 0.0f ? -2.0f * (r->v1 - lead_1) * r->tau : cc;
+	root = rollout_root(a, b, cc);
+	root = det_maxf(b, at3) > 0.0f ? root : ROLLOUT_NEVER_S;
+	r->near_lo = two > 0.0f ? r->sk : 0.0f;
+	r->near_hi = det_maxf(two > 0.0f ? hi : det_minf(hi, r->sk), 0.0f);
+	r->near_s = det_minf(det_maxf(root + r->near_lo, r->near_lo), r->near_hi);
+	r->near_rel = 0.0f;
+	r->want = hi > 0.0f ? 1.0f : 0.0f;
+}
+
+/** rollout_approach - one correction of the closest approach: third-order expansion about near_s. Lanes with want. */
+HD void rollout_approach(struct rollout *r)
+{
+	const float s = r->near_s, t = r->onset + s;
+	const struct rollout_point pt = rollout_at(r, s, r->near_lo > 0.0f ? 1.0f : 0.0f);
+	const float v = rollout_lead_v(r, t) - pt.v;
+	const float dv = r->al - pt.dv;
+	const float ddv = det_fmaf(pt.fe, r->rate, 2.0f * r->k * pt.v * pt.dv);
+	const float den = dv + det_sqrtf(det_maxf(det_fmaf(dv, dv, -2.0f * v * ddv), 0.0f));
+	const float step = -2.0f * v / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
+	const float next = det_minf(det_maxf(s + step, r->near_lo), r->near_hi);
+	const float h = next - s, h2 = h * h;
+	const float rest = pt.fe * r->rate * r->rate * h2 * h2;
+	float more = h2 < 0.0225f ? 0.0f : 1.0f;
+	float by, rel;
+
+	more = rest < 2e-4f ? more : 1.0f;
+	by = more > 0.0f ? 0.0f : h; /* a point of the path is a bound of the minimum, a poor expansion is not */
+	rel = rollout_lead_x(r, t) - r->x1 - pt.x +
+	      by * det_fmaf(by, det_fmaf(by, ddv * (1.0f / 6.0f), 0.5f * dv), v);
+	r->near_rel = r->want > 0.0f ? rel : r->near_rel;
+	r->near_s = r->want > 0.0f ? next : r->near_s;
+	r->want = r->want > 0.0f ? more : 0.0f;
+}
+
+/** rollout_end - last stage without impact: need and flags. */
+HD struct model_out rollout_end(struct rollout *r, const struct rollout_plan *p)
+{
+	const float rel = rollout_lead_x(r, r->onset + r->end_s) - r->stop;
+	const float lead_v = rollout_lead_v(r, p->horizon_s);
+	struct model_out out;
+	uint32_t undecided = r->end_v > lead_v ? MODEL_UNDECIDED : 0u;
+
+	r->need = det_maxf(det_maxf(r->near_0, -r->near_rel), -rel);
+	out.stop_m = r->stop;
+	out.need_m = r->need;
+	out.impact_mps = 0.0f;
+	undecided = r->headway > r->need ? undecided : 0u;
+	undecided = r->end_v > 0.0f ? undecided : 0u;
+	out.flags = undecided | (r->headway > r->need ? 0u : MODEL_CONTACT) | (r->end_v > 0.0f ? MODEL_ROLLING : 0u);
+	return out;
+}
+
+
+/** rollout_hit - bracket the first contact of a lane that has one; sets want. */
+HD void rollout_hit(struct rollout *r)
+{
+	const float gap_d = r->headway + rollout_lead_x(r, r->onset) - r->x1;
+	const float tk = r->onset + r->sk;
+	const float gap_k = r->headway + rollout_lead_x(r, tk) - r->x1 - r->x2;
+	const float near = r->headway + r->near_rel > 0.0f ? 0.0f : 1.0f; /* contact by near_s at the latest */
+	const float end = r->onset + (near > 0.0f ? r->near_s : r->end_s);
+	float in_p2 = r->sk < ROLLOUT_NEVER_S ? gap_k : -1.0f;
+	float hi;
+
+	in_p2 = near > r->near_lo ? -1.0f : in_p2; /* P1 has the root that collides */
+	hi = det_minf(end, in_p2 > 0.0f ? end : tk);
+	r->hit_lo = r->onset + (in_p2 > 0.0f ? r->sk : 0.0f);
+	hi = gap_d > 0.0f ? hi : r->onset;
+	r->hit_lo = gap_d > 0.0f ? r->hit_lo : 0.0f;
+	hi = r->headway > r->near_0 ? hi : r->onset;
+	r->hit_lo = r->headway > r->near_0 ? r->hit_lo : 0.0f;
+	r->hit_hi = hi;
+	r->hit_t = r->hit_lo;
+	r->impact = det_maxf(r->v0 - r->vl, 0.0f);
+	r->want = r->headway > 0.0f ? 1.0f : 0.0f;
+}
+
+/** rollout_contact - one correction of the first contact, and the impact speed seen from there. Lanes with want. */
+HD void rollout_contact(struct rollout *r)
+{
+	const float t = r->hit_t, s = t - r->onset;
+	const struct rollout_point pt = rollout_at(r, s, s < r->sk ? 0.0f : 1.0f);
+	const float early = s < 0.0f ? 1.0f : 0.0f;
+	const float ego_v = early > 0.0f ? det_fmaf(r->a0, t, r->v0) : pt.v;
+	const float ego_x = early > 0.0f ? t * det_fmaf(0.5f * r->a0, t, r->v0) : r->x1 + pt.x;
+	const float ego_dv = early > 0.0f ? r->a0 : pt.dv;
+	const float jerk = early > 0.0f ? 0.0f : pt.fe * r->rate;
+	const float gap = r->headway + rollout_lead_x(r, t) - ego_x;
+	const float closing = ego_v - rollout_lead_v(r, t);
+	const float dv = (t < r->lead_stop ? r->al : 0.0f) - ego_dv;
+	const float speed = det_sqrtf(det_maxf(det_fmaf(closing, closing, -2.0f * gap * dv), 0.0f));
+	const float step = 2.0f * gap / det_maxf(closing + speed, 1e-6f);
+	const float lo = gap > 0.0f ? t : r->hit_lo, hi = gap > 0.0f ? r->hit_hi : t;
+	const float aim = t + step;
+	float next = aim < lo ? 0.5f * (lo + hi) : aim;
+	float more;
+
+	next = aim > hi ? 0.5f * (lo + hi) : next;
+	more = (jerk * step * step < 4e-3f ? step * step : 1.0f) < 0.01f ? 0.0f : 1.0f;
+	more = (t < r->lead_stop ? 0.0f : 1.0f) == (aim < r->lead_stop ? 0.0f : 1.0f) ? more : 1.0f;
+	more = early == (aim < r->onset ? 1.0f : 0.0f) ? more : 1.0f;
+	more = step * step < 1e-8f ? 0.0f : more;
+	r->impact = r->want > 0.0f ? speed : r->impact;
+	r->hit_lo = lo;
+	r->hit_hi = hi;
+	r->hit_t = r->want > 0.0f ? next : r->hit_t;
+	r->want = r->want > 0.0f ? more : 0.0f;
+}
+
+#define ROLLOUT_APPROACH_MAX 6  /* corrections after which what is found counts */
+#define ROLLOUT_CONTACT_MAX  24
+
+/**
+ * rollout_sample - all stages of one lane, impact speed included
+ * @in: MODEL_INPUTS values, @stride floats apart, within the ranges of enum model_input
+ * Against model_rollout(): see verify.h. The bits are those of the lane loops. Pure.
+ */
+HD struct model_out rollout_sample(const struct rollout_plan *p, const float *in, uint32_t stride)
+{
+	struct rollout r;
+	struct model_out out;
+
+	r.headway = in[MODEL_HEADWAY * stride];
+	r.v0 = in[MODEL_EGO_SPEED * stride];
+	r.a0 = in[MODEL_EGO_ACCEL * stride];
+	r.vl = in[MODEL_LEAD_SPEED * stride];
+	r.al = in[MODEL_LEAD_ACCEL * stride];
+	r.mu = in[MODEL_MU * stride];
+	r.theta = in[MODEL_GRADE * stride];
+	r.mass = in[MODEL_MASS * stride];
+	r.drag = in[MODEL_DRAG * stride];
+	r.tau = in[MODEL_TAU * stride];
+	r.delay = in[MODEL_DELAY * stride];
+	rollout_scene(&r, p);
+	rollout_coast(&r, p);
+	rollout_match(&r, p);
+	rollout_kink(&r, p);
+	rollout_stop(&r);
+	if (r.want > 0.0f) {
+		rollout_short(&r, p);
+	}
+	rollout_late(&r, p);
+	if (r.want > 0.0f) {
+		rollout_roll(&r, p);
+	}
+	rollout_near(&r);
+	for (int i = 0; i < ROLLOUT_APPROACH_MAX && r.want > 0.0f; i++) {
+		rollout_approach(&r);
+	}
+	out = rollout_end(&r, p);
+	if (out.flags & MODEL_CONTACT) {
+		rollout_hit(&r);
+		for (int i = 0; i < ROLLOUT_CONTACT_MAX && r.want > 0.0f; i++) {
+			rollout_contact(&r);
+		}
+		out.impact_mps = r.impact;
+	}
+	return out;
+}
+
+#endif

@@ -44,9 +44,11 @@ struct pipeline_stats {
 	uint64_t scans;       /* radar scans ended */
 	uint64_t evaluations; /* results decided upon */
 	uint64_t skipped;     /* scans not evaluated: the worker was busy */
-	uint64_t stage_miss, late, period_miss;
-	uint64_t sent;   /* frames handed to the bus */
-	double risk_max; /* largest P(defer) of any evaluation */
+	uint64_t stage_miss;  /* stages over their budget (stage.def) */
+	uint64_t late;        /* results cut by the deadline, or older than their TTL */
+	uint64_t period_miss; /* request frames absent or more than 25 % late */
+	uint64_t sent;        /* frames handed to the bus */
+	double risk_max;      /* largest P(defer) of any evaluation */
 };
 
 struct pipeline_open {
@@ -54,14 +56,21 @@ struct pipeline_open {
 	const struct mapping *map;
 	struct bus *bus;
 	struct mc *mc;
-	/* Called after every evaluation; NULL for none. For CSV, traces, the recorder; must not block when live. */
+	enum publish_backend backend; /* what mc runs on, for STATUS */
+	/* Stamps within a step, clock_now_ns() when live. NULL on a log: all time is the bus's, so that the same log
+	 * gives the same frames; times of computation are then "not available". */
+	int64_t (*clock)(void);
+	/* Called after every evaluation (a batch was run and decided upon); NULL for none. For CSV, traces, the recorder;
+	 * must not block when live. t_ns[STAGE_SEND] is 0 where the next periodic request frame will carry it. */
 	void (*on_cycle)(void *arg, const struct cycle *c, enum state state);
-	void *arg;
+	/* Called when level or state changed, whatever the cause; NULL for none. @now: what the frames say from here on. */
+	void (*on_change)(void *arg, int64_t t_ns, const struct publish_in *now);
+	void *arg; /* of both */
 };
 
 struct pipeline;
 
-/** pipeline_open - takes no ownership; everything in @o must outlive it. Allocates. 0 or -errno. */
+/** pipeline_open - takes no ownership; everything @o points to must outlive it. Allocates. 0 or -errno. */
 int pipeline_open(const struct pipeline_open *o, struct pipeline **ret);
 
 /**
@@ -72,7 +81,7 @@ int pipeline_open(const struct pipeline_open *o, struct pipeline **ret);
 int pipeline_step(struct pipeline *p);
 
 /** pipeline_request - the request a scene leads to (means, factor, futures, priors). Pure. 0, or -EINVAL when the
- * covariance is not positive definite. */
+ * covariance is not positive definite (rows that are all zero are allowed: known exactly). */
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req);
 

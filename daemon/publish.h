@@ -7,42 +7,58 @@
 
 #include "bus.h"
 #include "config.h"
+#include "contract.h"
 #include "decision.h"
 #include "fault.h"
 #include "mc.h"
 #include "scene.h"
 
-enum publish_msg { PUBLISH_REQUEST, PUBLISH_RISK, PUBLISH_STATUS, PUBLISH_TIMING, PUBLISH_MSGS };
+/* Our messages, in the order of the contract; identifiers follow each other from bus.request_id. */
+enum publish_msg {
+	PUBLISH_REQUEST,
+	PUBLISH_RISK,
+	PUBLISH_MARGIN,
+	PUBLISH_STATUS,
+	PUBLISH_TIMING,
+	PUBLISH_MSGS
+};
+
+enum publish_backend { PUBLISH_BACKEND_NONE, PUBLISH_BACKEND_CPU, PUBLISH_BACKEND_GPU };
 
 /* Everything a frame may carry; the pipeline keeps it current. */
 struct publish_in {
 	enum state state;
 	uint32_t fault;
 	struct decision dec;
-	uint64_t eval_id;  /* of the result; 0 = none yet */
-	int64_t result_ns; /* time of its scan, for the TTL */
-	int have_result;   /* 0: probability and risk figures are "not available" */
+	int have_scan;   /* 0: the decision rests on no scan, and the TTL is 0 */
+	int64_t scan_ns; /* time of the scan that the decision rests on, for the TTL */
+	int have_result; /* 0: probability and risk figures are "not available" */
 	struct mc_result res;
-	struct scene scene;
+	struct scene scene; /* of the decision */
+	uint64_t eval_id;   /* last evaluation; 0 = none yet */
 	uint64_t skipped, late, stage_miss, period_miss;
-	int64_t mc_ns,
-		total_ns; /* last evaluation: backend, and scan end to decision; -1 unknown */
-	uint16_t hash;    /* contract and configuration */
-	uint32_t samples;
-	int on_gpu;
+	int64_t input_age_ns, mc_ns, decision_ns, total_ns; /* last evaluation; -1 unknown */
+	uint16_t hash;                                      /* contract and configuration */
+	uint32_t samples;                                   /* in the last batch; 0 = none yet */
+	enum publish_backend backend;
 };
 
 struct publish; /* counters of each message */
 
-/** publish_open - ids and interface from @cfg. Allocates. */
+/** publish_open - ids, interface, TTL and transmit mode from @cfg. Allocates. 0 or -errno. */
 int publish_open(const struct config *cfg, struct publish **ret);
 
-/** publish_pack - one frame, protected, at @now_ns. Advances that message's counter. No allocation. */
+/**
+ * publish_pack - one frame, protected, at @now_ns. Advances that message's counter. No allocation.
+ * P_COLLISION, P_LOW and P_HIGH are those of FUTURE_DEFER: the risk if full braking waits one decision period, which is
+ * what the receiver can still change. Without a hit the bound 3/N stands, flagged. Past its TTL a result is not
+ * available. What exceeds a signal's range saturates.
+ */
 void publish_pack(struct publish *p, enum publish_msg which, const struct publish_in *in,
 		  int64_t now_ns, struct bus_frame *f);
 
-/** publish_words - a frame of ours in plain words, one line, units stated. -ENOMSG if it is not ours, -EBADMSG if its
- * check fails (the line says so). */
+/** publish_words - a frame of ours in plain words, one line, units stated. 0; -ENOMSG if it is not ours, -EBADMSG if
+ * its length or checksum is wrong (the line says so). */
 int publish_words(const struct publish *p, const struct bus_frame *f, char *line, int size);
 
 void publish_close(struct publish *p); /* NULL is fine */

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT
+ * The event recorder: keeps the latest accepted frames and evaluations in memory and, around a warning, a request, a
+ * fault, a miss or a mark, writes what came before and after as a candump log with the requests beside it.
+ * The real-time thread only puts and triggers; files are the housekeeping thread's.
+ */
+#ifndef AEBMC_RECORDER_H
+#define AEBMC_RECORDER_H
+
+#include "bus.h"
+#include "mc.h"
+
+enum recorder_reason {
+	RECORDER_WARN,
+	RECORDER_REQUEST,
+	RECORDER_FAULT,
+	RECORDER_MISS,
+	RECORDER_MARK,
+	RECORDER_REASONS
+};
+extern const char *const recorder_reason_name[RECORDER_REASONS]; /* "warn", "request", ... */
+
+struct recorder_params {
+	const char *dir;           /* must exist */
+	const char *const *ifaces; /* names for the log, by index */
+	int n_ifaces;
+	int64_t before_ns, after_ns;
+	uint32_t frames;    /* kept in memory, a power of two */
+	uint32_t requests;  /* kept in memory, a power of two */
+	uint64_t bytes_max; /* of all event files together; the oldest are removed */
+};
+
+struct recorder;
+
+/** recorder_open - allocates the rings; finds the number of the last event in the folder. 0 or -errno, @err says why. */
+int recorder_open(const struct recorder_params *p, struct recorder **ret, char *err, int err_len);
+
+/** recorder_frame - keep a frame. Real-time thread; no allocation, no system call. */
+void recorder_frame(struct recorder *r, const struct bus_frame *f);
+
+/** recorder_evaluation - keep a request and the hash of its result. Real-time thread. */
+void recorder_evaluation(struct recorder *r, int64_t t_ns, const struct mc_request *req,
+			 const struct mc_result *res);
+
+/** recorder_trigger - something happened at @t_ns. One event is open at a time: what comes during it belongs to it. Any
+ * thread; no system call. */
+void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns);
+
+/**
+ * recorder_service - write the open event once its time after is over (or @finish)
+ * @real_minus_mono_ns: what turns a frame's time into that of the log
+ * @path: receives the log's path [256] when one was written
+ * Housekeeping thread; blocks on the file system. Returns 1 if an event was written, 0 if none was due, -errno (the
+ * event is lost, the partial file removed).
+ */
+int recorder_service(struct recorder *r, int64_t now_ns, int64_t real_minus_mono_ns, int finish,
+		     char path[256]);
+
+void recorder_close(struct recorder *r); /* NULL is fine */
+
+/** recorder_result_hash - of the integers and figures of a result, the same on any machine and backend. Pure. */
+uint64_t recorder_result_hash(const struct mc_result *res);
+
+/**
+ * recorder_parse - one line of a .requests file
+ * Returns 0 with @req and the recorded result's hash; -ENOMSG for a comment or blank line; -EBADMSG for anything else,
+ * a request whose content does not give the hash beside it included. Pure.
+ */
+int recorder_parse(const char *line, struct mc_request *req, uint64_t *result_hash);
+
+#endif

@@ -44,10 +44,19 @@ static error_t parse_draws(const struct argp_state *st, const char *arg, struct 
 
 static error_t parse_threads(const struct argp_state *st, const char *arg, struct mc_params *p)
 {
-	uint64_t n = p->threads;
+	int64_t n = p->threads;
 	error_t ret = cli_count(st, "--threads", arg, 1, 64, &n);
 
 	p->threads = (uint32_t)n;
+	return ret;
+}
+
+static error_t parse_seed(const struct argp_state *st, const char *arg, struct mc_params *p)
+{
+	int64_t seed = 0;
+	error_t ret = cli_count(st, "--seed", arg, 0, INT64_MAX, &seed);
+
+	p->seed = (uint64_t)seed;
 	return ret;
 }
 
@@ -67,7 +76,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case KEY_DRAWS:
 		return parse_draws(st, arg, &a->params);
 	case KEY_SEED:
-		return cli_count(st, "--seed", arg, 0, UINT64_MAX, &a->params.seed);
+		return parse_seed(st, arg, &a->params);
 	case KEY_JSON:
 		a->json = 1;
 		return 0;

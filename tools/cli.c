@@ -3,15 +3,12 @@
  */
 #include "cli.h"
 #include <errno.h>
-#include <limits.h>
-#include <math.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/utsname.h>
-#include "nearest.h"
+#include "text.h"
 
 /* ---- messages ---------------------------------------------------------------------------------- */
 
@@ -75,45 +72,26 @@ int cli_parse(const struct argp *argp, int argc, char **argv, void *input)
 error_t cli_number(const struct argp_state *st, const char *name, const char *arg, double min,
 		   double max, double *ret)
 {
-	char *end;
-	double v = strtod(arg, &end);
+	double v;
 
-	if (end == arg || *end || !isfinite(v) || v < min || v > max) {
+	if (text_number(arg, &v) || v < min || v > max) {
 		return cli_bad(st, "%s: '%s' is no number in %g..%g", name, arg, min, max);
 	}
 	*ret = v;
 	return 0;
 }
 
-error_t cli_count(const struct argp_state *st, const char *name, const char *arg, uint64_t min,
-		  uint64_t max, uint64_t *ret)
+error_t cli_count(const struct argp_state *st, const char *name, const char *arg, int64_t min,
+		  int64_t max, int64_t *ret)
 {
-	char *end;
+	int64_t v;
 
-	errno = 0;
-	unsigned long long v = strtoull(arg, &end, 0);
-
-	if (strspn(arg, "0123456789abcdefxABCDEFX") != strlen(arg) || end == arg || *end || errno ||
-	    v < min || v > max) {
-		return cli_bad(st, "%s: '%s' is no whole number in %llu..%llu", name, arg,
-			       (unsigned long long)min, (unsigned long long)max);
+	if (text_integer(arg, &v) || v < min || v > max) {
+		return cli_bad(st, "%s: '%s' is no whole number in %lld..%lld", name, arg,
+			       (long long)min, (long long)max);
 	}
 	*ret = v;
 	return 0;
-}
-
-size_t cli_nearest(const char *word, const char *const *names, size_t n)
-{
-	size_t best = 0;
-	unsigned least = UINT_MAX;
-
-	for (size_t i = 0; i < n; i++) {
-		unsigned d = nearest_distance(word, names[i]);
-
-		best = d < least ? i : best;
-		least = d < least ? d : least;
-	}
-	return best;
 }
 
 error_t cli_choice(const struct argp_state *st, const char *name, const char *arg,
@@ -126,7 +104,7 @@ error_t cli_choice(const struct argp_state *st, const char *name, const char *ar
 		}
 	}
 	return cli_bad(st, "%s: '%s' is not known; nearest is '%s'", name, arg,
-		       names[cli_nearest(arg, names, n)]);
+		       text_nearest(arg, names, n, sizeof(names[0])));
 }
 
 /* ---- files ------------------------------------------------------------------------------------- */

@@ -27,15 +27,12 @@ error_t cli_bad(const struct argp_state *st, const char *fmt, ...)
 /** cli_number, cli_count - a finite number in min..max, or EINVAL after one line; @name as the user wrote it. */
 error_t cli_number(const struct argp_state *st, const char *name, const char *arg, double min,
 		   double max, double *ret);
-error_t cli_count(const struct argp_state *st, const char *name, const char *arg, uint64_t min,
-		  uint64_t max, uint64_t *ret);
+error_t cli_count(const struct argp_state *st, const char *name, const char *arg, int64_t min,
+		  int64_t max, int64_t *ret);
 
 /** cli_choice - index of @arg in @names[n], or EINVAL after one line with the nearest valid name. */
 error_t cli_choice(const struct argp_state *st, const char *name, const char *arg,
 		   const char *const *names, size_t n, size_t *ret);
-
-/** cli_nearest - index of the name with the smallest edit distance to @word; n > 0. Pure. */
-size_t cli_nearest(const char *word, const char *const *names, size_t n);
 
 /** cli_error - one line "NAME: ..." on stderr. Returns @code. */
 int cli_error(int code, const char *name, const char *fmt, ...)

@@ -10,6 +10,7 @@
 #include <unistd.h>
 #include "cli.h"
 #include "cmd.h"
+#include "text.h"
 
 struct cmd {
 	const char *name;
@@ -36,13 +37,8 @@ static const struct cmd *find(const char *name)
 
 static int unknown(const char *name)
 {
-	const char *names[CMDS];
-
-	for (size_t i = 0; i < CMDS; i++) {
-		names[i] = cmd_table[i].name;
-	}
-	fprintf(stderr, "aebmc: no subcommand '%s'; nearest is '%s', all: aebmc help\n", name,
-		names[cli_nearest(name, names, CMDS)]);
+	fprintf(stderr, "aebmc: no subcommand '%s'; nearest is '%s', aebmc help lists all\n", name,
+		text_nearest(name, &cmd_table[0].name, CMDS, sizeof(cmd_table[0])));
 	return CLI_USAGE;
 }
 

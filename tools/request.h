@@ -13,7 +13,7 @@ struct request_args {
 	struct setup setup;        /* given: the scene is evaluated under this configuration */
 	int preset_paper;          /* --preset paper was given */
 	size_t future;             /* enum future that the histograms describe */
-	uint64_t samples;          /* 0: the configuration's, or 100,000 */
+	int64_t samples;           /* 0: the configuration's, or 100,000 */
 	double mean[MC_STATE_DIM]; /* SI units; NaN: not given */
 	double sigma[MC_STATE_DIM];
 };

@@ -1,0 +1,346 @@
+/* SPDX-License-Identifier: MIT
+ * aebmc bench: nanoseconds per sample of mc_ops.run, the function that the daemon calls, beside the f64 RK4 reference
+ * with 1 ms steps and beside a plain C loop of the same (plain.c). One thread; all measured in turns, so that a noisy
+ * machine hits them alike; minima are compared.
+ */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include "backend.h"
+#include "cli.h"
+#include "clock.h"
+#include "cmd.h"
+#include "pipeline.h"
+#include "plain.h"
+#include "progress.h"
+#include "sample.h"
+#include "draws.h"
+
+#define REF_SAMPLES 64 /* of the reference and of the plain loop, a turn */
+#define ROUNDS      120
+#define SAMPLES     16384 /* what the daemon uses on a CPU */
+
+struct args {
+	struct backend_args backend;
+	int64_t samples, rounds;
+};
+
+/* What is timed. */
+enum timed { REFERENCE, PLAIN, MOVING_REFERENCE, PAPER, MOVING, FUTURES_4, TIMED };
+static const char *const timed_key[TIMED] = {"reference", "plain_loop", "moving_reference",
+					     "paper",     "moving",     "futures"};
+static const char *const timed_words[TIMED] = {
+	"f64 RK4 reference, 1 ms, paper's scene",
+	"plain C loop of the same",
+	"f64 RK4 reference, 1 ms, moving lead",
+	"paper's scene, with statistics",
+	"moving lead, with statistics and impact speed",
+	"moving lead, all four futures, everything",
+};
+
+struct bench {
+	const struct mc_ops *ops;
+	struct mc_backend *b;
+	struct mc_request paper, moving, futures;
+	float in[MODEL_INPUTS *
+		 REF_SAMPLES]; /* [MODEL_INPUTS][REF_SAMPLES], the paper scene's first */
+	struct model_out ref[REF_SAMPLES], plain[REF_SAMPLES], out[REF_SAMPLES * MC_FUTURES_MAX];
+	double *ns[TIMED]; /* per sample, [rounds] */
+	uint32_t rounds;
+	double p_moving, p_futures[MC_FUTURES_MAX];
+};
+
+/* ---- arguments --------------------------------------------------------------------------------- */
+
+enum { KEY_ROUNDS = 0x100 };
+
+static const struct argp_option options[] = {
+	{"samples", 'n', "N", 0, "samples of a batch (16384, as in the daemon)", 1},
+	{"rounds", KEY_ROUNDS, "N", 0, "turns of each measurement (120)", 1},
+	{0},
+};
+static const struct argp_child children[] = {{&backend_argp, 0, NULL, 0}, {0}};
+
+static error_t parse(int key, char *arg, struct argp_state *st)
+{
+	struct args *a = st->input;
+
+	switch (key) {
+	case ARGP_KEY_INIT:
+		st->child_inputs[0] = &a->backend;
+		return 0;
+	case 'n':
+		return cli_count(st, "--samples", arg, 1, 1u << 24, &a->samples);
+	case KEY_ROUNDS:
+		return cli_count(st, "--rounds", arg, 1, 100000, &a->rounds);
+	case ARGP_KEY_ARG:
+		return cli_bad(st, "'%s': bench takes options alone", arg);
+	case ARGP_KEY_END:
+		return a->backend.params.threads == 1 ? 0 : cli_bad(st, "bench times one thread");
+	default:
+		return ARGP_ERR_UNKNOWN;
+	}
+}
+
+static const struct argp argp = {options,
+				 parse,
+				 NULL,
+				 "Nanoseconds per sample of the function that the daemon calls, "
+				 "beside the 1 ms reference, one thread.",
+				 children,
+				 NULL,
+				 NULL};
+
+/* ---- the scenes -------------------------------------------------------------------------------- */
+
+/* The paper's scene (Sec. IV) with every input that it has drawn: headway and tau too. */
+static void scene_paper(struct mc_request *req, uint32_t n)
+{
+	mc_preset_paper(req, 100, n);
+	req->flags |= MC_WANT_HIST | MC_WANT_IMPACT;
+	req->factor[0] = 0.25f;
+	req->sigma[MODEL_TAU - MC_STATE_DIM] = 0.01f;
+}
+
+/* What the daemon submits at 80 km/h, 25 m behind a lead that brakes at 3 m/s2: all eleven inputs are drawn, the five of
+ * the state with the correlations that a tracking filter leaves. */
+static int scene_futures(struct mc_request *req, uint32_t n)
+{
+	static const double sigma[SCENE_DIM] = {0.2, 0.05, 0.3, 0.12, 0.6};
+	struct scene s = {.ego_valid = 1,
+			  .lead_valid = 1,
+			  .existence = 1,
+			  .lead_scans = 100,
+			  .x = {25, 22.2, -0.2, 20.5, -3}};
+	struct config cfg;
+
+	for (int i = 0; i < SCENE_DIM; i++) {
+		for (int k = 0; k < SCENE_DIM; k++) {
+			s.cov[i][k] = sigma[i] * sigma[k] * (i == k ? 1 : 0.3);
+		}
+	}
+	config_defaults(&cfg);
+	cfg.brake_tau_sigma = 0.01;
+	cfg.brake_delay_sigma = 0.02;
+	int error = pipeline_request(&cfg, &s, 1, req);
+
+	req->n = n;
+	req->flags |= MC_WANT_HIST | MC_WANT_IMPACT;
+	return error;
+}
+
+static int scenes(struct bench *b, uint32_t n)
+{
+	int error = scene_futures(&b->futures, n);
+
+	scene_paper(&b->paper, n);
+	b->moving = b->futures;
+	b->moving.n_futures = 1;
+	b->moving.hist_future = 0;
+	b->moving.future[0] = b->futures.future[FUTURE_NOW];
+	return error;
+}
+
+/* The inputs of the paper scene's first samples, for the plain loop. */
+static int plain_inputs(struct bench *b, const struct mc_params *p)
+{
+	float z[MC_DIM * REF_SAMPLES];
+	struct sample_plan plan;
+	struct draws *d;
+	int error = draws_open(p, &d);
+
+	if (error) {
+		return error;
+	}
+	draws_fill(d, 0, REF_SAMPLES, z, REF_SAMPLES);
+	draws_close(d);
+	sample_plan(&b->paper, &plan);
+	for (int i = 0; i < REF_SAMPLES; i++) {
+		sample_draw(&plan, z + i, REF_SAMPLES, b->in + i, REF_SAMPLES);
+	}
+	return 0;
+}
+
+/* ---- measurements ------------------------------------------------------------------------------ */
+
+static int run_batch(struct bench *b, const struct mc_request *req, double *p)
+{
+	struct mc_result res;
+	int error = b->ops->run(b->b, req, NULL, &res);
+
+	for (uint32_t i = 0; !error && i < req->n_futures; i++) {
+		p[i] = res.risk[i].p;
+	}
+	return error;
+}
+
+static int run_plain(struct bench *b)
+{
+	for (int i = 0; i < REF_SAMPLES; i++) {
+		plain_rollout(&b->paper.vehicle, b->paper.future[0].accel_cmd_mps2,
+			      (double)b->paper.horizon_s, b->in + i, REF_SAMPLES, 0.001,
+			      &b->plain[i]);
+	}
+	return 0;
+}
+
+static int run_one(struct bench *b, enum timed which)
+{
+	double p[MC_FUTURES_MAX];
+
+	switch (which) {
+	case REFERENCE:
+		return b->ops->samples(b->b, &b->paper, MC_REFERENCE, 0, REF_SAMPLES, b->ref);
+	case PLAIN:
+		return run_plain(b);
+	case MOVING_REFERENCE:
+		return b->ops->samples(b->b, &b->moving, MC_REFERENCE, 0, REF_SAMPLES, b->out);
+	case PAPER:
+		return run_batch(b, &b->paper, p);
+	case MOVING:
+		return run_batch(b, &b->moving, &b->p_moving);
+	default:
+		return run_batch(b, &b->futures, b->p_futures);
+	}
+}
+
+static int measure(struct bench *b, uint32_t n)
+{
+	struct progress line = progress_start("bench");
+
+	for (uint32_t round = 0; round < b->rounds && !cli_interrupted(); round++) {
+		for (int i = 0; i < TIMED; i++) {
+			int64_t start_ns = clock_now_ns();
+			int error = run_one(b, (enum timed)i);
+			int64_t took_ns = clock_now_ns() - start_ns;
+
+			if (error) {
+				return error;
+			}
+			b->ns[i][round] = (double)took_ns / (i >= PAPER ? n : REF_SAMPLES);
+		}
+		progress_update(&line, (double)round / b->rounds, "");
+	}
+	progress_clear(&line);
+	return cli_interrupted() ? -EINTR : 0;
+}
+
+static int ascending(const void *a, const void *b)
+{
+	double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+static void sort_all(struct bench *b)
+{
+	for (int i = 0; i < TIMED; i++) {
+		qsort(b->ns[i], b->rounds, sizeof(double), ascending);
+	}
+}
+
+/* Largest distance between the plain loop and the reference: do they time the same thing? */
+static double plain_dev_m(const struct bench *b)
+{
+	double max = 0;
+
+	for (int i = 0; i < REF_SAMPLES; i++) {
+		max = fmax(max, fabs((double)b->ref[i].stop_m - (double)b->plain[i].stop_m));
+	}
+	return max;
+}
+
+/* ---- output ------------------------------------------------------------------------------------ */
+
+static void write_json(const struct args *a, const struct bench *b)
+{
+	struct json j = json_start(stdout);
+	char key[48];
+
+	json_head(&j, "bench");
+	backend_json(&j, &a->backend, b->ops->describe(b->b));
+	json_uint(&j, "samples", (uint64_t)a->samples);
+	json_uint(&j, "rounds", b->rounds);
+	for (int i = 0; i < TIMED; i++) {
+		snprintf(key, sizeof(key), "%s_ns", timed_key[i]);
+		json_num(&j, key, b->ns[i][0]);
+		snprintf(key, sizeof(key), "%s_median_ns", timed_key[i]);
+		json_num(&j, key, b->ns[i][b->rounds / 2]);
+	}
+	json_num(&j, "paper_ratio", b->ns[REFERENCE][0] / b->ns[PAPER][0]);
+	json_num(&j, "moving_ratio", b->ns[MOVING_REFERENCE][0] / b->ns[MOVING][0]);
+	json_num(&j, "futures_ratio", b->ns[REFERENCE][0] / b->ns[FUTURES_4][0]);
+	json_num(&j, "reference_to_plain_loop", b->ns[REFERENCE][0] / b->ns[PLAIN][0]);
+	json_num(&j, "plain_loop_dev_m", plain_dev_m(b));
+	json_num(&j, "p_moving", b->p_moving);
+	json_close(&j, '}');
+}
+
+static void print_words(const struct args *a, const struct bench *b)
+{
+	char cpu[128];
+
+	cli_cpu_name(cpu, sizeof(cpu));
+	printf("%s, %s, one thread, batches of %lld, %u rounds; ns per sample\n\n", cpu,
+	       b->ops->describe(b->b), (long long)a->samples, b->rounds);
+	printf("%-48s %12s %12s %12s\n", "", "minimum", "median", "faster by");
+	for (int i = 0; i < TIMED; i++) {
+		enum timed base = i == MOVING ? MOVING_REFERENCE : REFERENCE;
+
+		printf("%-48s %12.1f %12.1f", timed_words[i], b->ns[i][0], b->ns[i][b->rounds / 2]);
+		if (i >= PAPER) {
+			printf(" %12.0f", b->ns[base][0] / b->ns[i][0]);
+		}
+		putchar('\n');
+	}
+	printf("\nThe reference takes %.2f times the plain loop; stopping distances differ by %.2g "
+	       "m at most.\n"
+	       "Risk of the moving lead's scene: %.3g %%.\n",
+	       b->ns[REFERENCE][0] / b->ns[PLAIN][0], plain_dev_m(b), b->p_moving * 100);
+}
+
+static int bench(const char *name, const struct args *a, struct bench *b)
+{
+	int error = scenes(b, (uint32_t)a->samples);
+
+	error = error ? error : plain_inputs(b, &a->backend.params);
+	cli_catch_interrupt();
+	error = error ? error : measure(b, (uint32_t)a->samples);
+	if (error) {
+		return cli_error(CLI_FAILED, name, "%s",
+				 error == -EINTR ? "interrupted" : strerror(-error));
+	}
+	sort_all(b);
+	if (a->backend.json) {
+		write_json(a, b);
+	} else {
+		print_words(a, b);
+	}
+	return CLI_GOOD;
+}
+
+int cmd_bench(int argc, char **argv)
+{
+	struct args a = {backend_defaults(), SAMPLES, ROUNDS};
+	struct bench b = {0};
+	const char *name = argv[0];
+
+	a.backend.params.threads = 1;
+	int code = cli_parse(&argp, argc, argv, &a);
+
+	a.backend.params.n_resident = (uint32_t)(a.samples > REF_SAMPLES ? a.samples : REF_SAMPLES);
+	code = code ? code : backend_open(name, &a.backend, &b.ops, &b.b);
+	if (code) {
+		return code;
+	}
+	b.rounds = (uint32_t)a.rounds;
+	double *ns = calloc(TIMED * (size_t)a.rounds, sizeof(double));
+
+	for (int i = 0; i < TIMED; i++) {
+		b.ns[i] = ns + (size_t)(i * a.rounds);
+	}
+	code = ns ? bench(name, &a, &b) : cli_error(CLI_FAILED, name, "out of memory");
+	free(ns);
+	b.ops->close(b.b);
+	return code;
+}

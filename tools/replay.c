@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT
+ * aebmc replay: a candump log through the daemon's pipeline, with the batches run inline. The log's own time drives
+ * everything, so that the same log, configuration and seed give the same output log, byte for byte.
+ */
+#include <errno.h>
+#include <string.h>
+#include "cli.h"
+#include "clock.h"
+#include "cmd.h"
+#include "csv.h"
+#include "mc_ops.h"
+#include "replay.h"
+
+/* ---- arguments --------------------------------------------------------------------------------- */
+
+enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON };
+
+static const struct argp_option options[] = {
+	{"out", KEY_OUT, "FILE", 0, "write our frames as a candump log, - for standard output", 1},
+	{"csv", KEY_CSV, "FILE", 0, "one row per evaluation, - for standard output", 1},
+	{"threads", 't', "N", 0, "compute threads, 1..64; no output depends on it", 1},
+	{"json", KEY_JSON, NULL, 0, "one JSON object on standard output", 1},
+	{0},
+};
+static const struct argp_child children[] = {{&setup_argp, 0, NULL, 0}, {0}};
+
+static int is_stdout(const char *path)
+{
+	return path && !strcmp(path, "-");
+}
+
+static error_t check(const struct argp_state *st, const struct replay_args *a)
+{
+	if (!a->log) {
+		return cli_bad(st, "which LOG? a file from candump -L, or - for standard input");
+	}
+	if (!a->setup.path) {
+		return cli_bad(st, "--config FILE is needed: it says which signals the car sends");
+	}
+	if (is_stdout(a->out) + is_stdout(a->csv) + a->json > 1) {
+		return cli_bad(st,
+			       "only one of --json, --csv - and --out - can have standard output");
+	}
+	return 0;
+}
+
+static error_t parse(int key, char *arg, struct argp_state *st)
+{
+	struct replay_args *a = st->input;
+
+	switch (key) {
+	case ARGP_KEY_INIT:
+		st->child_inputs[0] = &a->setup;
+		return 0;
+	case KEY_OUT:
+		a->out = arg;
+		return 0;
+	case KEY_CSV:
+		a->csv = arg;
+		return 0;
+	case 't':
+		return cli_count(st, "--threads", arg, 1, 64, &a->threads);
+	case KEY_JSON:
+		a->json = 1;
+		return 0;
+	case ARGP_KEY_ARG:
+		if (a->log) {
+			return cli_bad(st, "'%s': one LOG at a time", arg);
+		}
+		a->log = arg;
+		return 0;
+	case ARGP_KEY_END:
+		return check(st, a);
+	default:
+		return ARGP_ERR_UNKNOWN;
+	}
+}
+
+static const struct argp argp = {options,
+				 parse,
+				 "LOG",
+				 "Replays a candump log through the daemon's pipeline and tells "
+				 "what it would have done and when.",
+				 children,
+				 NULL,
+				 NULL};
+
+/* ---- opening ----------------------------------------------------------------------------------- */
+
+static int open_log(struct replay *r)
+{
+	const char *iface[BUS_IFACES_MAX];
+	char err[512];
+
+	for (int i = 0; i < r->map->n_ifaces; i++) {
+		iface[i] = r->map->iface[i];
+	}
+	if (bus_log_open(r->args->log, r->args->out, iface, r->map->n_ifaces, &r->log, err,
+			 sizeof(err))) {
+		return cli_error(CLI_FAILED, r->name, "%s", err);
+	}
+	stamped_init(&r->bus, r->log);
+	return 0;
+}
+
+static int open_mc(struct replay *r)
+{
+	struct mc_params p = {
+		.kind = (enum mc_draws_kind)r->cfg.mc_draws,
+		.seed = (uint64_t)r->cfg.mc_seed,
+		.n_resident = (uint32_t)r->cfg.mc_samples,
+		.threads = (uint32_t)(r->args->threads ? r->args->threads : r->cfg.mc_threads),
+	};
+
+	for (int i = 0; i < MODEL_INPUTS; i++) {
+		p.truncate[i] = (float)r->cfg.mc_truncate;
+	}
+	int error = mc_open(&mc_cpu_ops, &p, 0, &r->mc);
+
+	return error ? cli_error(CLI_FAILED, r->name, "cannot open the CPU backend: %s",
+				 strerror(-error))
+		     : 0;
+}
+
+static void on_cycle(void *arg, const struct cycle *c, enum state state)
+{
+	struct replay *r = arg;
+
+	if (r->csv) {
+		csv_row(r->csv, c, state, r->bus.first_ns);
+	}
+}
+
+static int open_pipeline(struct replay *r)
+{
+	const struct pipeline_open o = {.cfg = &r->cfg,
+					.map = r->map,
+					.bus = &r->bus.bus,
+					.mc = r->mc,
+					.backend = PUBLISH_BACKEND_CPU,
+					.on_cycle = on_cycle,
+					.on_change = replay_change,
+					.arg = r};
+	int error = pipeline_open(&o, &r->pipe);
+
+	return error ? cli_error(CLI_FAILED, r->name, "cannot open the pipeline: %s",
+				 strerror(-error))
+		     : 0;
+}
+
+static int open_csv(struct replay *r)
+{
+	if (!r->args->csv) {
+		return 0;
+	}
+	r->csv = cli_create(r->name, r->args->csv);
+	if (!r->csv) {
+		return CLI_FAILED;
+	}
+	csv_head(r->csv);
+	return 0;
+}
+
+static int open_all(struct replay *r)
+{
+	int code = setup_load(r->name, &r->args->setup, &r->cfg, &r->map);
+
+	code = code ? code : open_log(r);
+	code = code ? code : open_csv(r);
+	code = code ? code : open_mc(r);
+	return code ? code : open_pipeline(r);
+}
+
+static int close_all(struct replay *r)
+{
+	int code = r->csv ? cli_close(r->name, r->args->csv, r->csv) : 0;
+
+	pipeline_close(r->pipe);
+	mc_close(r->mc);
+	if (r->log) {
+		r->log->ops->close(r->log);
+	}
+	config_mapping_free(r->map);
+	return code;
+}
+
+/* ---- running ----------------------------------------------------------------------------------- */
+
+static void show_progress(struct replay *r, int64_t start_ns)
+{
+	int64_t done, total, now_ns = clock_now_ns();
+	char words[48];
+
+	bus_log_progress(r->log, &done, &total);
+	snprintf(words, sizeof(words), "%.1f times real time",
+		 (double)(r->bus.last_ns - r->bus.first_ns) / (double)(now_ns - start_ns + 1));
+	progress_update(&r->line, total > 0 ? (double)done / (double)total : -1, words);
+}
+
+/* 0 at the end of the log or on Ctrl-C, -errno. */
+static int run(struct replay *r)
+{
+	int64_t start_ns = clock_now_ns();
+	int error = 0;
+
+	cli_catch_interrupt();
+	while (!error && !cli_interrupted()) {
+		error = pipeline_step(r->pipe);
+		error = !error && r->bus.send_error ? r->bus.send_error : error;
+		error = !error && r->csv && ferror(r->csv) ? -EIO : error;
+		if (r->line.on) {
+			show_progress(r, start_ns);
+		}
+	}
+	r->wall_ns = clock_now_ns() - start_ns;
+	return error == -ENODATA ? 0 : error;
+}
+
+static int explain(const struct replay *r, int error)
+{
+	if (r->bus.send_error) {
+		return cli_error(CLI_FAILED, r->name, "%s: %s",
+				 is_stdout(r->args->out) ? "standard output" : r->args->out,
+				 strerror(-error));
+	}
+	if (r->csv && ferror(r->csv)) {
+		return CLI_FAILED; /* told when it is closed */
+	}
+	if (error) {
+		return cli_error(CLI_FAILED, r->name, "%s: %s", r->args->log, strerror(-error));
+	}
+	if (!pipeline_stats(r->pipe)->frames) {
+		return cli_error(CLI_FAILED, r->name, "%s: no frame on the configured interfaces",
+				 r->args->log);
+	}
+	return cli_interrupted() ? CLI_FAILED : CLI_GOOD;
+}
+
+static int replay(struct replay *r)
+{
+	int taken = is_stdout(r->args->csv) || is_stdout(r->args->out);
+
+	r->words = r->args->json ? NULL : taken ? stderr : stdout;
+	replay_begin(r);
+	int error = run(r);
+
+	replay_end(r);
+	return explain(r, error);
+}
+
+int cmd_replay(int argc, char **argv)
+{
+	struct replay_args a = {0};
+	struct replay r = {.name = argv[0], .args = &a};
+	int code = cli_parse(&argp, argc, argv, &a);
+
+	if (code) {
+		return code;
+	}
+	code = open_all(&r);
+	code = code ? code : replay(&r);
+	int closing = close_all(&r);
+
+	return code ? code : closing;
+}

@@ -42,10 +42,25 @@ LANEFLAGS_avx2   := -march=x86-64-v3
 LANEFLAGS_avx512 := -march=x86-64-v4 -mprefer-vector-width=512
 LANEFLAGS_neon   :=
 
+# ---- optional libraries --------------------------------------------------------------------------
+# WITH_X = auto (use it if its header is there) | yes (fail without it) | no. Each chooses between two files of the same
+# face: NAME_LIB.c and NAME_none.c.
+WITH_SYSTEMD   ?= auto
+WITH_SOCKETCAN ?= auto
+has_header = $(shell printf '\043include <%s>\n' $(1) | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
+# $(call choose,WITH_X,header,package): yes or nothing
+choose     = $(if $(filter no,$($(1))),,$(or $(call has_header,$(2)),$(if $(filter yes,$($(1))),$(error $(1)=yes but \
+	     <$(2)> is missing: apt-get install $(3)))))
+SYSTEMD    := $(call choose,WITH_SYSTEMD,systemd/sd-daemon.h,libsystemd-dev)
+SOCKETCAN  := $(call choose,WITH_SOCKETCAN,libsocketcan.h,libsocketcan-dev)
+OPTIONAL   := daemon/service_$(if $(SYSTEMD),systemd,none).c daemon/link_$(if $(SOCKETCAN),socketcan,none).c
+NOT_CHOSEN := $(filter-out $(OPTIONAL),$(wildcard daemon/service_*.c daemon/link_*.c))
+LDLIBS     += $(if $(SYSTEMD),-lsystemd) $(if $(SOCKETCAN),-lsocketcan)
+
 # ---- sources -----------------------------------------------------------------------------------
 LANE_SRC   := kernels/lanes.c
 MC_SRC     := $(filter-out $(LANE_SRC),$(wildcard kernels/*.c)) $(wildcard can-dbc/*.c)
-DAEMON_SRC := $(filter-out daemon/main.c,$(wildcard daemon/*.c))
+DAEMON_SRC := $(filter-out daemon/main.c $(NOT_CHOSEN),$(wildcard daemon/*.c))
 TOOL_SRC   := $(wildcard tools/*.c)
 TEST_SRC   := $(wildcard tests/test_*.c)
 

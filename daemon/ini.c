@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "ini.h"
+#include "text.h"
 
 static const char blanks[] = " \t";
 
@@ -42,18 +43,6 @@ const struct ini_entry *ini_get(const struct ini *ini, const char *section, cons
 		}
 	}
 	return NULL;
-}
-
-char *ini_word(char **text)
-{
-	char *word = *text + strspn(*text, blanks);
-	size_t len = strcspn(word, blanks);
-
-	*text = word + len;
-	if (**text) {
-		*(*text)++ = '\0';
-	}
-	return len ? word : NULL;
 }
 
 /* trim - @s without blanks at either end; cuts the text. */
@@ -139,7 +128,7 @@ static int copy_name(const struct ini *ini, const struct ini_entry *e, char *tex
 	char *word;
 	size_t n = 0;
 
-	while ((word = ini_word(&text))) {
+	while ((word = text_word(&text))) {
 		n += (size_t)snprintf(to + n, INI_NAME_MAX - n, "%s%s", n ? " " : "", word);
 		if (n >= INI_NAME_MAX) {
 			to[0] = '\0';

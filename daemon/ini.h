@@ -53,9 +53,6 @@ const struct ini_entry *ini_get(const struct ini *ini, const char *section, cons
 int ini_fail(const struct ini *ini, const struct ini_entry *e, const char *fmt, ...)
 	__attribute__((format(printf, 3, 4)));
 
-/** ini_word - cut the next blank-separated word off *@text; NULL at the end. Writes into the text. */
-char *ini_word(char **text);
-
 void ini_free(struct ini *ini); /* NULL is fine */
 
 #endif

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT
  * Which signals of which messages are the car's speed, the radar's targets, the driver's pedals: data, not code.
- * Filled from the configuration and a DBC (config.c), read by the estimator. Read-only once loaded.
+ * Filled from the configuration file's [message] and [signal] sections and a DBC, read by the estimator. Read-only
+ * once loaded.
  */
 #ifndef AEBMC_MAPPING_H
 #define AEBMC_MAPPING_H
 
 #include <stdint.h>
+#include <stdio.h>
 #include "bus.h"
 #include "dbc.h"
 #include "e2e.h"
@@ -44,7 +46,7 @@ struct map_role_signals {
 
 struct map_track {
 	int16_t message;             /* index into mapping.message */
-	struct map_signal distance;  /* [m], required; ego front to target */
+	struct map_signal distance;  /* [m], from the front bumper (front_offset is in); required */
 	struct map_signal rel_speed; /* [m/s], target minus ego: negative when closing; required */
 	struct map_signal lateral;   /* [m], left positive; optional */
 	struct map_signal valid;     /* nonzero: target present; optional */
@@ -54,18 +56,46 @@ struct map_track {
 
 enum map_scan_end { MAP_SCAN_ALL_SEEN, MAP_SCAN_GAP };
 
+struct config;
+struct ini;
+
 struct mapping {
 	struct dbc *dbc;
+	struct ini *source; /* the file it was read from, for mapping_print */
 	char iface[BUS_IFACES_MAX][BUS_NAME_MAX];
 	int n_ifaces;
 	int n_messages, n_tracks;
 	struct map_message message[MAP_MESSAGES_MAX];
 	struct map_role_signals role[MAP_ROLES];
 	struct map_track track[MAP_TRACKS_MAX];
+	uint8_t by_id[MAP_MESSAGES_MAX]; /* indices of messages, ordered by interface and id */
 	int64_t scan_gap_ns; /* silence that ends a scan when not all of its messages were seen */
 };
 
+/** mapping_section - 1 if a section of that name belongs to the mapping: "message NAME", "signal ROLE". */
+int mapping_section(const char *section);
+
+/**
+ * mapping_load - from sections and a DBC to roles
+ * @ini: read file with overrides; owned by the mapping on success
+ * @cfg: checked options; dbc_file becomes an absolute path
+ * Reports to ini->err, one line. Allocates; blocks on the file system. Returns 0 or -errno (-EINVAL for content).
+ */
+int mapping_load(struct ini *ini, struct config *cfg, struct mapping **ret);
+
 /** mapping_find - message index for a frame, or -1. O(log n), no allocation. */
 int mapping_find(const struct mapping *m, uint8_t iface, uint32_t id);
+
+/** mapping_hash - @h continued by the DBC's content and what is taken from it; the same on any machine. */
+uint64_t mapping_hash(const struct mapping *m, uint64_t h);
+
+/** mapping_print - the sections it was read from, in the file's order. */
+void mapping_print(const struct mapping *m, FILE *out);
+
+/** mapping_print_options - what such sections may say, as scdoc text. */
+void mapping_print_options(FILE *out);
+
+/** mapping_free - and what it owns; NULL is fine. */
+void mapping_free(struct mapping *m);
 
 #endif

@@ -57,8 +57,8 @@ int publish_open(const struct config *cfg, struct publish **ret);
 void publish_pack(struct publish *p, enum publish_msg which, const struct publish_in *in,
 		  int64_t now_ns, struct bus_frame *f);
 
-/** publish_words - a frame of ours in plain words, one line, units stated. 0; -ENOMSG if it is not ours, -EBADMSG if
- * its length or checksum is wrong (the line says so). */
+/** publish_words - a frame of ours, by its identifier on any interface, in plain words, one line, units stated. 0;
+ * -ENOMSG if it is not ours, -EBADMSG if its length or checksum is wrong (the line says so). */
 int publish_words(const struct publish *p, const struct bus_frame *f, char *line, int size);
 
 void publish_close(struct publish *p); /* NULL is fine */

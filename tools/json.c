@@ -52,9 +52,9 @@ void json_open(struct json *j, const char *key, char kind)
 	j->filled &= ~(1ull << j->depth);
 }
 
-void json_close(struct json *j, char kind)
+void json_close(struct json *j, char end)
 {
-	fputc(kind == '{' ? '}' : ']', j->out);
+	fputc(end, j->out);
 	j->depth--;
 	if (!j->depth) {
 		fputc('\n', j->out);

@@ -17,9 +17,9 @@ struct json {
 /** json_start - an emitter on @out; write errors stay in ferror(@out). */
 struct json json_start(FILE *out);
 
-/** json_open, json_close - @kind '{' or '['; closing the outermost ends the line. */
+/** json_open, json_close - @kind '{' or '[', @end '}' or ']'; closing the outermost ends the line. */
 void json_open(struct json *j, const char *key, char kind);
-void json_close(struct json *j, char kind);
+void json_close(struct json *j, char end);
 
 /** json_num - shortest digits that read back to the same double; NaN and infinity are null. */
 void json_num(struct json *j, const char *key, double v);

@@ -28,7 +28,7 @@ enum scene_reject {
 extern const char *const scene_reject_name[SCENE_REJECTS]; /* "crc", "counter", "length", ... */
 
 struct scene {
-	int64_t t_ns; /* time the state is valid for (the scan's, minus the configured sensor latency) */
+	int64_t t_ns; /* time the state is valid for: the one asked for, the sensors' latency is bridged */
 	int64_t scan_ns;     /* time the scan ended */
 	uint64_t scan;       /* number of the scan, from 1 */
 	int ego_valid;       /* ego speed is fresh and plausible */

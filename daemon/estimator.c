@@ -1,0 +1,378 @@
+/* SPDX-License-Identifier: MIT
+ * Glue: frames (decode.c) to scans and ego speeds on their own times, those to objects (tracker.c), and the lead's filter
+ * predicted to the moment asked for. The filters run behind by the radar's latency, so that what was measured earlier
+ * is taken earlier although it arrives later; recent ego speeds wait in a queue and are taken by every scene.
+ */
+#include <errno.h>
+#include <stdlib.h>
+#include "clock.h"
+#include "decode.h"
+#include "estimator.h"
+#include "fault.h"
+#include "speeds.h"
+#include "tracker.h"
+
+/* The latest value of each signal of a role. */
+struct role_value {
+	double value;
+	int64_t t_ns[MAP_SPEEDS_MAX];
+};
+
+struct estimator {
+	const struct config *cfg;
+	const struct mapping *map;
+	struct decode decode;
+	struct tracker tracker;
+	struct role_value role[MAP_ROLES];
+
+	struct speeds speeds;
+	int64_t jumped_ns; /* when too many speeds in a row were implausible */
+
+	struct tracker_scan pending;
+	uint64_t seen;             /* slots seen in the pending scan; 0: none pending */
+	int64_t first_ns, last_ns; /* reception of its first and last frame */
+	uint64_t scan;             /* scans ended so far */
+	int64_t scan_ns;           /* when the last one ended */
+	int started;               /* every required input has been seen */
+};
+
+/* ---- staleness ------------------------------------------------------------------------------ */
+
+static int64_t limit_ns(const struct estimator *e, int message)
+{
+	const int64_t period = e->map->message[message].period_ns;
+	const int64_t radar = clock_s_to_ns(e->cfg->radar_period / 1000);
+
+	return e->cfg->bus_stale_periods * (period > 0 ? period : radar);
+}
+
+/* 1 if every message of the role brought a value within its limit. */
+static int is_role_fresh(const struct estimator *e, enum map_role role, int64_t now_ns)
+{
+	const struct map_role_signals *r = &e->map->role[role];
+
+	for (int i = 0; i < r->n; i++) {
+		if (now_ns - e->role[role].t_ns[i] > limit_ns(e, r->message[i])) {
+			return 0;
+		}
+	}
+	return r->n > 0;
+}
+
+/* A slot with a period must be heard even while others are: the lead may be in it. */
+static int is_radar_fresh(const struct estimator *e, int64_t now_ns)
+{
+	const int64_t radar_ns =
+		e->cfg->bus_stale_periods * clock_s_to_ns(e->cfg->radar_period / 1000);
+
+	for (int i = 0; i < e->map->n_tracks; i++) {
+		const int m = e->map->track[i].message;
+
+		if (e->map->message[m].period_ns > 0 &&
+		    now_ns - e->decode.message[m].t_ns > limit_ns(e, m)) {
+			return 0;
+		}
+	}
+	return e->scan > 0 && now_ns - e->scan_ns <= radar_ns;
+}
+
+/* ---- ego speed ------------------------------------------------------------------------------ */
+
+static void restart(struct estimator *e)
+{
+	tracker_reset(&e->tracker);
+	speeds_reset(&e->speeds);
+}
+
+static void take_speed(struct estimator *e, int message, const struct speed *s)
+{
+	const struct config *c = e->cfg;
+	struct speed old;
+
+	if (s->t_ns - e->speeds.last.t_ns > limit_ns(e, message)) {
+		restart(e);
+	}
+	const int jumps = speeds_judge(&e->speeds, s, c->filter_ego_accel_max,
+				       2 * c->filter_gate * c->filter_ego_sigma);
+
+	e->decode.rejected[SCENE_REJECT_IMPLAUSIBLE] += jumps > 0;
+	if (jumps > 0 && jumps < c->bus_stale_periods) {
+		return;
+	}
+	if (jumps > 0) {
+		e->jumped_ns = s->t_ns;
+		restart(e);
+	}
+	if (speeds_push(&e->speeds, s, &old)) {
+		tracker_ego_speed(&e->tracker, old.t_ns, old.mps);
+	}
+}
+
+static void take_roles(struct estimator *e, const struct decode_frame *d, int64_t t_ns)
+{
+	for (int role = 0; role < MAP_ROLES; role++) {
+		const struct map_role_signals *r = &e->map->role[role];
+
+		if (!(d->roles >> role & 1)) {
+			continue;
+		}
+		e->role[role].value = d->value[role];
+		for (int i = 0; i < r->n; i++) {
+			if (r->message[i] == d->message) {
+				e->role[role].t_ns[i] = t_ns;
+			}
+		}
+	}
+	if (d->roles >> MAP_EGO_SPEED & 1) {
+		take_speed(e, d->message, &(struct speed){t_ns, d->value[MAP_EGO_SPEED]});
+	}
+}
+
+/* ---- scans ---------------------------------------------------------------------------------- */
+
+static double curvature(const struct estimator *e, int64_t now_ns)
+{
+	const double v = e->tracker.ego.x[SCENE_EGO_SPEED];
+
+	if (!is_role_fresh(e, MAP_YAW_RATE, now_ns) || v < e->cfg->decision_speed_min) {
+		return 0;
+	}
+	return e->role[MAP_YAW_RATE].value / v;
+}
+
+static int64_t measured_ns(const struct estimator *e, int64_t received_ns)
+{
+	return received_ns - clock_s_to_ns(e->cfg->radar_latency);
+}
+
+static void end_scan(struct estimator *e, int64_t now_ns)
+{
+	struct speed s;
+
+	e->pending.t_ns = measured_ns(e, e->first_ns);
+	e->pending.seen_ns = e->first_ns;
+	while (speeds_pop(&e->speeds, e->pending.t_ns, &s)) {
+		tracker_ego_speed(&e->tracker, s.t_ns, s.mps);
+	}
+	e->pending.curvature = curvature(e, now_ns);
+	tracker_scan(&e->tracker, &e->pending);
+	e->seen = 0;
+	e->scan++;
+	e->scan_ns = now_ns;
+	e->started |= is_radar_fresh(e, now_ns) && is_role_fresh(e, MAP_EGO_SPEED, now_ns);
+}
+
+/* Returns 1 if a scan ended: the pending one, by a slot that it had already, or this slot's, by being the last. */
+static int take_slot(struct estimator *e, const struct decode_frame *d, int64_t t_ns)
+{
+	const uint64_t bit = 1ull << d->track;
+	const uint64_t all = e->map->n_tracks == 64 ? ~0ull : (1ull << e->map->n_tracks) - 1;
+	const int repeated = (e->seen & bit) != 0;
+
+	if (repeated) {
+		end_scan(e, t_ns);
+	}
+	if (e->seen == 0) {
+		e->first_ns = t_ns;
+		e->pending.n = 0;
+	}
+	e->last_ns = t_ns;
+	e->seen |= bit;
+	if (d->target) {
+		e->pending.det[e->pending.n++] = d->det;
+	}
+	if (e->seen == all) {
+		end_scan(e, t_ns);
+		return 1;
+	}
+	return repeated;
+}
+
+int estimator_frame(struct estimator *e, const struct bus_frame *f)
+{
+	int ended = estimator_tick(e, f->t_ns);
+	struct decode_frame d;
+
+	if (!decode_take(&e->decode, f, &d)) {
+		return ended;
+	}
+	take_roles(e, &d, f->t_ns);
+	if (d.track >= 0) {
+		ended |= take_slot(e, &d, f->t_ns);
+	}
+	return ended;
+}
+
+int64_t estimator_deadline(const struct estimator *e)
+{
+	return e->seen ? e->last_ns + e->map->scan_gap_ns : CLOCK_NEVER;
+}
+
+int estimator_tick(struct estimator *e, int64_t now_ns)
+{
+	if (!e->seen || now_ns < estimator_deadline(e)) {
+		return 0;
+	}
+	end_scan(e, estimator_deadline(e));
+	return 1;
+}
+
+/* ---- the scene ------------------------------------------------------------------------------ */
+
+static uint32_t faults(const struct estimator *e, int64_t now_ns)
+{
+	const int64_t radar_ns = clock_s_to_ns(e->cfg->radar_period / 1000);
+	uint32_t fault = 0;
+
+	if (!e->started) {
+		fault |= FAULT_BIT(STARTING);
+	} else {
+		fault |= is_role_fresh(e, MAP_EGO_SPEED, now_ns) ? 0 : FAULT_BIT(EGO_STALE);
+		fault |= is_radar_fresh(e, now_ns) ? 0 : FAULT_BIT(RADAR_STALE);
+	}
+	for (int i = 0; i < e->map->n_messages; i++) {
+		if (e->decode.message[i].refused >= (uint32_t)e->cfg->bus_stale_periods) {
+			fault |= FAULT_BIT(INPUT_CHECK);
+		}
+	}
+	if (now_ns - e->jumped_ns < radar_ns) {
+		fault |= FAULT_BIT(IMPLAUSIBLE);
+	}
+	return fault;
+}
+
+/* Neither vehicle drives backwards, and one that stands does not brake any further. */
+static void clamp_at_standstill(double x[SCENE_DIM])
+{
+	const int pair[][2] = {{SCENE_EGO_SPEED, SCENE_EGO_ACCEL},
+			       {SCENE_LEAD_SPEED, SCENE_LEAD_ACCEL}};
+
+	for (int i = 0; i < 2; i++) {
+		double *v = &x[pair[i][0]], *a = &x[pair[i][1]];
+
+		if (*v <= 0) {
+			*v = 0;
+			*a = *a > 0 ? *a : 0;
+		}
+	}
+	x[SCENE_HEADWAY] = x[SCENE_HEADWAY] > 0 ? x[SCENE_HEADWAY] : 0;
+}
+
+/* The filter at @now_ns, with the ego speeds that it has not seen yet. */
+static void predict(const struct estimator *e, const struct kalman *from, int64_t now_ns,
+		    struct scene *s)
+{
+	const struct config *c = e->cfg;
+	struct kalman k = *from;
+
+	for (int i = 0; i < e->speeds.n; i++) {
+		const struct speed *speed = speeds_at(&e->speeds, i);
+
+		kalman_predict(&k, speed->t_ns, c->filter_ego_jerk, c->filter_lead_jerk);
+		kalman_update(&k, KALMAN_EGO_SPEED, speed->mps, c->filter_ego_sigma);
+	}
+	kalman_predict(&k, now_ns, c->filter_ego_jerk, c->filter_lead_jerk);
+	for (int i = 0; i < SCENE_DIM; i++) {
+		s->x[i] = k.x[i];
+		for (int j = 0; j < SCENE_DIM; j++) {
+			s->cov[i][j] = k.p[i][j];
+		}
+	}
+	clamp_at_standstill(s->x);
+}
+
+static int pressed(const struct estimator *e, enum map_role role, int64_t now_ns)
+{
+	return is_role_fresh(e, role, now_ns) ? e->role[role].value != 0 : -1;
+}
+
+static int64_t oldest_ns(const struct estimator *e, const struct tracker_object *lead,
+			 int64_t now_ns)
+{
+	int64_t t = lead ? lead->seen_ns : now_ns;
+
+	return now_ns - (e->speeds.last.t_ns < t ? e->speeds.last.t_ns : t);
+}
+
+static void fill_lead(const struct estimator *e, const struct tracker_object *lead, struct scene *s)
+{
+	s->lead_valid = 1;
+	s->lateral_m = tracker_lateral(&e->tracker, lead);
+	s->existence = lead->existence;
+	s->lead_id = lead->id;
+	s->lead_scans = lead->hits;
+}
+
+void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s)
+{
+	*s = (struct scene){
+		.t_ns = now_ns,
+		.scan_ns = e->scan_ns,
+		.scan = e->scan,
+		.fault = faults(e, now_ns),
+		.driver_brake = pressed(e, MAP_DRIVER_BRAKE, now_ns),
+		.driver_accel = pressed(e, MAP_DRIVER_ACCEL, now_ns),
+	};
+	s->ego_valid = e->tracker.ego_valid && is_role_fresh(e, MAP_EGO_SPEED, now_ns);
+	if (!s->ego_valid) {
+		return;
+	}
+	const struct tracker_object *lead =
+		is_radar_fresh(e, now_ns) ? tracker_lead(&e->tracker) : NULL;
+
+	predict(e, lead ? &lead->k : &e->tracker.ego, now_ns, s);
+	if (lead) {
+		fill_lead(e, lead, s);
+	}
+	s->oldest_input_ns = oldest_ns(e, lead, now_ns);
+	s->yaw_rate_radps =
+		is_role_fresh(e, MAP_YAW_RATE, now_ns) ? e->role[MAP_YAW_RATE].value : 0;
+}
+
+/* ---- life ----------------------------------------------------------------------------------- */
+
+static void forget_times(struct estimator *e)
+{
+	for (int role = 0; role < MAP_ROLES; role++) {
+		for (int i = 0; i < MAP_SPEEDS_MAX; i++) {
+			e->role[role].t_ns[i] = DECODE_NEVER;
+		}
+	}
+	e->scan_ns = DECODE_NEVER;
+}
+
+int estimator_open(const struct config *cfg, const struct mapping *map, struct estimator **ret)
+{
+	struct estimator *e = calloc(1, sizeof(*e));
+
+	if (!e) {
+		return -ENOMEM;
+	}
+	e->cfg = cfg;
+	e->map = map;
+	e->jumped_ns = DECODE_NEVER;
+	decode_open(&e->decode, map, cfg->radar_range_max, cfg->radar_existence_min);
+	tracker_open(&e->tracker, cfg);
+	restart(e);
+	forget_times(e);
+	*ret = e;
+	return 0;
+}
+
+void estimator_distrust(struct estimator *e)
+{
+	decode_distrust(&e->decode);
+	restart(e);
+	forget_times(e);
+	e->seen = 0;
+}
+
+const uint64_t *estimator_rejected(const struct estimator *e)
+{
+	return e->decode.rejected;
+}
+
+void estimator_close(struct estimator *e)
+{
+	free(e);
+}

@@ -26,9 +26,9 @@ NUMERIC := -ffp-contract=off -fno-math-errno -fno-trapping-math
 HARDEN  := -fstack-protector-strong
 CFLAGS_ALL = -std=gnu17 -D_GNU_SOURCE $(OPT) $(WARN) $(NUMERIC) $(HARDEN) -pthread -Ikernels -Ican-dbc -Idaemon -Itools \
 	   -I$(O)/gen $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer) \
-	   $(EXTRA_CFLAGS) $(CFLAGS)
+	   $(CUDA_CFLAGS) $(EXTRA_CFLAGS) $(CFLAGS)
 LDFLAGS_ALL = -pthread $(if $(SAN),-fsanitize=$(SAN)) $(LDFLAGS)
-LDLIBS  := -lm
+LDLIBS   = -lm $(CUDA_LIBS)
 
 IS_CLANG := $(findstring clang,$(shell $(CC) --version 2>/dev/null | head -n 1))
 LANE_OPT := -O3 $(if $(IS_CLANG),,-fno-tree-pre)
@@ -64,6 +64,33 @@ DAEMON_SRC := $(filter-out daemon/main.c $(NOT_CHOSEN),$(wildcard daemon/*.c))
 TOOL_SRC   := $(wildcard tools/*.c)
 TEST_SRC   := $(wildcard tests/test_*.c)
 
+# ---- CUDA --------------------------------------------------------------------------------------
+# WITH_CUDA=auto|yes|no. nvcc compiles kernels/mc_cuda.cu alone, to machine code for Jetson Orin (sm_87), Hopper (sm_90)
+# and this machine's device. Without nvcc, or for another processor, backend cuda is refused by name.
+WITH_CUDA   ?= auto
+NVCC        := $(firstword $(shell command -v nvcc 2>/dev/null) $(wildcard /usr/local/cuda/bin/nvcc))
+CUDA_ROOT   := $(patsubst %/bin/nvcc,%,$(realpath $(NVCC)))
+CUDA_FOUND  := $(if $(filter $(ARCH),$(shell uname -m)),$(if $(wildcard $(CUDA_ROOT)/lib64/libcudart_static.a),$(NVCC)))
+HAVE_CUDA   := $(if $(filter no,$(WITH_CUDA)),,$(CUDA_FOUND))
+ifeq ($(WITH_CUDA)-$(HAVE_CUDA),yes-)
+$(error WITH_CUDA=yes, but no nvcc on PATH or in /usr/local/cuda/bin for $(ARCH))
+endif
+CUDA_SRC    := kernels/cuda_calls.c $(wildcard kernels/mc_cuda*.c)
+CUDA_NONE   := kernels/mc_cuda_none.c
+MC_SRC      := $(filter-out $(if $(HAVE_CUDA),$(CUDA_NONE),$(filter-out $(CUDA_NONE),$(CUDA_SRC))),$(MC_SRC))
+TEST_SRC    := $(filter-out $(if $(HAVE_CUDA),,tests/test_cuda.c),$(TEST_SRC))
+CUDA_OBJ    := $(if $(HAVE_CUDA),$(O)/kernels/mc_cuda.cu.o)
+CUDA_CFLAGS := $(if $(HAVE_CUDA),-isystem $(CUDA_ROOT)/include)
+CUDA_LIBS   := $(if $(HAVE_CUDA),$(CUDA_ROOT)/lib64/libcudart_static.a -ldl -lrt)
+CUDA_SM     := $(sort 87 90 $(if $(HAVE_CUDA),$(shell $(CUDA_ROOT)/bin/__nvcc_device_query 2>/dev/null | tr ',' ' ')))
+NVCC_FLAGS  := -std=c++17 -O3 --fmad=false --ftz=false --prec-div=true --prec-sqrt=true -Ikernels \
+	       -Xcompiler -Wall,-Wextra,-ffp-contract=off,-fno-exceptions
+$(O)/kernels/mc_cuda.cu.o: kernels/mc_cuda.cu tools/ptxas-report $(O)/flags
+	$(call say,NVCC,$@)
+	$(Q)mkdir -p $(@D) && $(NVCC) $(NVCC_FLAGS) $(foreach m,$(CUDA_SM),-gencode arch=compute_$m,code=sm_$m) -Xptxas -v \
+		-MMD -MP -MF $(@:.o=.d) -c -o $@ $< 2>$@.log || { cat $@.log; exit 1; }
+	$(Q)tools/ptxas-report $@.log || { rm -f $@; exit 1; }
+
 obj        = $(patsubst %.c,$(O)/%.o,$(1))
 LANE_OBJ   := $(foreach v,$(LANES),$(O)/kernels/lanes_$(v).o)
 LIBMC      := $(O)/libaebmc.a
@@ -75,7 +102,7 @@ TESTS      := $(patsubst tests/%.c,$(O)/tests/%,$(TEST_SRC))
 .SECONDARY:
 all: $(O)/aebmcd $(O)/aebmc
 
-$(LIBMC): $(call obj,$(MC_SRC)) $(LANE_OBJ)
+$(LIBMC): $(call obj,$(MC_SRC)) $(LANE_OBJ) $(CUDA_OBJ)
 	$(call say,AR,$@)
 	$(Q)rm -f $@ && $(AR) rcs $@ $^
 $(LIBD): $(call obj,$(DAEMON_SRC))

@@ -51,6 +51,14 @@ struct mc_ops {
 	void (*close)(struct mc_backend *b); /* NULL and half-open are fine */
 };
 
-extern const struct mc_ops mc_cpu_ops;
+/*
+ * Errors of the CUDA backend, each of which says what happened:
+ * -ENOTSUP   not part of this build                 -EIO        a launch or another call failed
+ * -ENOSYS    no driver, or one too old              -EFAULT     a kernel touched an illegal address
+ * -ENODEV    no device                              -ETIMEDOUT  a batch did not end (hang)
+ * -ENOEXEC   no machine code for this device        -EBADMSG    results, draws or canaries have wrong bits
+ * -ENOMEM    device or page-locked memory is short
+ */
+extern const struct mc_ops mc_cpu_ops, mc_cuda_ops;
 
 #endif

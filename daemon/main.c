@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT
+ * aebmcd: the rooms opened in order, the loop, the rooms closed in reverse.
+ * The only file of the daemon that prints errors and chooses an exit code.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <signal.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "args.h"
+#include "bus.h"
+#include "config.h"
+#include "mapping.h"
+#include "mc_ops.h"
+#include "pipeline.h"
+
+enum exit_code { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_CONFIG = 78 };
+
+/* ---- instead of running ---- */
+
+static int fail(int code, const char *what)
+{
+	fprintf(stderr, "aebmcd: %s\n", what);
+	return code;
+}
+
+/* printed - did what was printed arrive? */
+static int printed(void)
+{
+	return fflush(stdout) || ferror(stdout)
+		       ? fail(EXIT_FAILED, "cannot write to standard output")
+		       : EXIT_GOOD;
+}
+
+static int check_config(const struct args *a)
+{
+	struct config cfg;
+	struct mapping *map;
+	char err[1024];
+
+	if (config_load(a->config, a->set, a->n_set, &cfg, &map, err, sizeof(err))) {
+		return fail(EXIT_CONFIG, err);
+	}
+	printf("%s: good; %d targets in %d messages on %s; hash %016" PRIx64 "\n", a->config,
+	       map->n_tracks, map->n_messages, cfg.bus_interfaces, config_hash(&cfg, map));
+	config_mapping_free(map);
+	return printed();
+}
+
+static int print_config(const struct args *a)
+{
+	struct config cfg;
+	struct mapping *map = NULL;
+	char err[1024];
+	int rc = 0;
+
+	config_defaults(&cfg);
+	if (a->config) {
+		rc = config_load(a->config, a->set, a->n_set, &cfg, &map, err, sizeof(err));
+	}
+	for (int i = 0; !a->config && !rc && i < a->n_set; i++) {
+		rc = config_set(&cfg, a->set[i], err, sizeof(err));
+	}
+	if (rc) {
+		return fail(EXIT_CONFIG, err);
+	}
+	config_print(&cfg, map, stdout);
+	config_mapping_free(map);
+	return printed();
+}
+
+static int print_options(const struct args *a)
+{
+	(void)a;
+	config_print_options(stdout);
+	return printed();
+}
+
+/* ---- running ---- */
+
+struct daemon {
+	const struct args *args;
+	struct config cfg;
+	struct mapping *map;
+	struct bus *bus;
+	struct mc *mc;
+	struct pipeline *pipeline;
+};
+
+static int open_config(struct daemon *d, char *err, int err_len)
+{
+	return config_load(d->args->config, d->args->set, d->args->n_set, &d->cfg, &d->map, err,
+			   err_len);
+}
+
+static void close_config(struct daemon *d)
+{
+	config_mapping_free(d->map);
+}
+
+static int open_bus(struct daemon *d, char *err, int err_len)
+{
+	const char *iface[BUS_IFACES_MAX];
+
+	for (int i = 0; i < d->map->n_ifaces; i++) {
+		iface[i] = d->map->iface[i];
+	}
+	return bus_log_open(d->args->log, d->args->out, iface, d->map->n_ifaces, &d->bus, err,
+			    err_len);
+}
+
+static void close_bus(struct daemon *d)
+{
+	d->bus->ops->close(d->bus);
+}
+
+/* On a log the batches run inline: results must not depend on how fast this machine is. */
+static int open_mc(struct daemon *d, char *err, int err_len)
+{
+	struct mc_params p = {
+		.kind = (enum mc_draws_kind)d->cfg.mc_draws,
+		.seed = (uint64_t)d->cfg.mc_seed,
+		.n_resident = (uint32_t)d->cfg.mc_samples,
+		.threads = (uint32_t)d->cfg.mc_threads,
+	};
+	int rc;
+
+	for (int i = 0; i < MODEL_INPUTS; i++) {
+		p.truncate[i] = (float)d->cfg.mc_truncate;
+	}
+	rc = mc_open(&mc_cpu_ops, &p, 0, &d->mc);
+	if (rc) {
+		snprintf(err, (size_t)err_len, "cannot open the CPU backend: %s", strerror(-rc));
+	}
+	return rc;
+}
+
+static void close_mc(struct daemon *d)
+{
+	mc_close(d->mc);
+}
+
+static int open_pipeline(struct daemon *d, char *err, int err_len)
+{
+	const struct pipeline_open o = {.cfg = &d->cfg,
+					.map = d->map,
+					.bus = d->bus,
+					.mc = d->mc,
+					.backend = PUBLISH_BACKEND_CPU};
+	int rc = pipeline_open(&o, &d->pipeline);
+
+	if (rc) {
+		snprintf(err, (size_t)err_len, "cannot open the pipeline: %s", strerror(-rc));
+	}
+	return rc;
+}
+
+static void close_pipeline(struct daemon *d)
+{
+	pipeline_close(d->pipeline);
+}
+
+/* Each needs those above it. */
+static const struct room {
+	int (*open)(struct daemon *d, char *err, int err_len);
+	void (*close)(struct daemon *d);
+	enum exit_code failed;
+} rooms[] = {
+	{open_config, close_config, EXIT_CONFIG},
+	{open_bus, close_bus, EXIT_FAILED},
+	{open_mc, close_mc, EXIT_FAILED},
+	{open_pipeline, close_pipeline, EXIT_FAILED},
+};
+
+#define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))
+
+static int loop(struct daemon *d)
+{
+	char err[128];
+	int rc;
+
+	do {
+		rc = pipeline_step(d->pipeline);
+	} while (!rc);
+	if (rc == -ENODATA) {
+		return EXIT_GOOD;
+	}
+	snprintf(err, sizeof(err), "the bus failed: %s", strerror(-rc));
+	return fail(EXIT_FAILED, err);
+}
+
+static int run(const struct args *a)
+{
+	struct daemon d = {.args = a};
+	char err[1024] = "";
+	int code = EXIT_GOOD, n = 0;
+
+	for (; n < ROOMS; n++) {
+		if (rooms[n].open(&d, err, sizeof(err))) {
+			code = fail(rooms[n].failed, err);
+			break;
+		}
+	}
+	if (n == ROOMS) {
+		code = loop(&d);
+	}
+	while (n > 0) {
+		rooms[--n].close(&d);
+	}
+	return code;
+}
+
+int main(int argc, char **argv)
+{
+	static int (*const action[])(const struct args *) = {
+		[ARGS_RUN] = run,
+		[ARGS_CHECK_CONFIG] = check_config,
+		[ARGS_PRINT_CONFIG] = print_config,
+		[ARGS_PRINT_OPTIONS] = print_options,
+	};
+	struct args a;
+
+	signal(SIGPIPE,
+	       SIG_IGN); /* a closed pipe is an error of the write, with a line and a code */
+	return args_parse(argc, argv, &a) ? EXIT_USAGE : action[a.action](&a);
+}

@@ -59,6 +59,8 @@ struct model_out {
 #define MODEL_ROLLING   2u /* ego still moving at the horizon */
 #define MODEL_UNDECIDED 4u /* no contact yet, and the gap is still closing at the horizon */
 
+#define MODEL_STEP_S 1e-3 /* the paper's dt, Sec. IV */
+
 /*
  * What happens, for both rollouts. t = 0 is the instant of the scene, d = min(delay + extra delay, T) the onset.
  *   t < d    dv/dt = a0: what the ego does now, net of drag and grade, goes on; it may end in standstill.
@@ -103,7 +105,8 @@ HD struct model_sample model_sample(const struct model_vehicle *veh, const struc
 	p.vl = in[MODEL_LEAD_SPEED * stride];
 	p.al = in[MODEL_LEAD_ACCEL * stride];
 	p.lead_stop_s = p.al < 0.0 ? p.vl / -p.al : 1e6;
-	p.drag_pm = 0.5 * veh->rho_kgpm3 * veh->area_m2 * in[MODEL_DRAG * stride] / in[MODEL_MASS * stride];
+	p.drag_pm = 0.5 * veh->rho_kgpm3 * veh->area_m2 * in[MODEL_DRAG * stride] /
+		    in[MODEL_MASS * stride];
 	p.grade_mps2 = veh->gravity_mps2 * det_sin(in[MODEL_GRADE * stride]);
 	p.bound_mps2 = mu * veh->gravity_mps2 / (1.0 + mu * h_over_l);
 	p.rate_ps = 1.0 / in[MODEL_TAU * stride];

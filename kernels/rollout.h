@@ -25,29 +25,25 @@ struct rollout_plan {
  * One lane. Times s count from brake onset, t from the scene. Braking has up to two phases: P1 from onset, force
  * F + G - (F + a_i) e^(-s/tau); P2 from the kink where the friction bound is reached, force P + G.
  * base_*: the phase that lasts to the end. */
-#define ROLLOUT_FIELDS(X)                                                                                              \
-	/* the inputs, in the order of enum model_input */                                                            \
-	X(headway) X(v0) X(a0) X(vl) X(al) X(mu) X(theta) X(mass) X(drag) X(tau) X(delay)                              \
-	/* scene: shared by all futures */                                                                            \
-	X(k)         /* drag: v' = ... - k v^2          [1/m] */                                                      \
-	X(grade)     /* G = g sin(theta)                [m/s2] */                                                     \
-	X(bound)     /* P, eq. 5                        [m/s2] */                                                     \
-	X(rate)      /* 1 / tau */                                                                                    \
-	X(lead_stop) /* t_L: the lead stands from here  [s] */                                                        \
-	/* coast: before onset */                                                                                     \
-	X(onset) X(v1) X(x1) X(near_0)                                                                                   \
-	/* match: P1 as flow under the constant force c1 from speed r0, and its transient */                           \
-	X(c1) X(r0) X(ka) X(fe) X(b2) X(d0)                                                                            \
-	/* kink and P2 */                                                                                             \
-	X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s)                                                      \
-	/* stop */                                                                                                    \
-	X(end_s) X(stop) X(end_v)                                                                                      \
-	/* closest approach in the braking phase */                                                                   \
-	X(near_s) X(near_lo) X(near_hi) X(near_rel) X(need)                                                                    \
-	/* first contact */                                                                                           \
-	X(hit_t) X(hit_lo) X(hit_hi) X(impact)                                                                         \
-	/* lanes a correction pass still works on: 1 or 0 */                                                          \
-	X(want)
+#define ROLLOUT_FIELDS(X)                                                                                            \
+	/* the inputs, in the order of enum model_input */                                                           \
+	X(headway)                                                                                                   \
+	X(v0) X(a0) X(vl) X(al) X(mu) X(theta) X(mass) X(drag) X(tau)                                                \
+		X(delay) /* scene: shared by all futures */                                                          \
+		X(k)     /* drag: v' = ... - k v^2          [1/m] */                                                 \
+		X(grade) /* G = g sin(theta)                [m/s2] */                                                \
+		X(bound) /* P, eq. 5                        [m/s2] */                                                \
+		X(rate)  /* 1 / tau */                                                                               \
+		X(lead_stop) /* t_L: the lead stands from here  [s] */ /* coast: before onset */                     \
+		X(onset) X(v1) X(x1) X(                                                                              \
+			near_0) /* match: P1 as flow under the constant force c1 from speed r0, and its transient */ \
+		X(c1) X(r0) X(ka) X(fe) X(b2) X(d0)                       /* kink and P2 */                          \
+		X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s) /* stop */                                 \
+		X(end_s) X(stop) X(end_v) /* closest approach in the braking phase */                                \
+		X(near_s) X(near_lo) X(near_hi) X(near_rel) X(near_at) X(need) /* first contact */                   \
+		X(hit_t) X(hit_lo) X(hit_hi)                                                                         \
+			X(impact) /* lanes a correction pass still works on: 1 or 0 */                               \
+		X(want)
 
 struct rollout {
 #define ROLLOUT_MEMBER(name) float name;
@@ -56,7 +52,8 @@ struct rollout {
 };
 
 /** rollout_plan - constants of a batch for one future; ranges as in model.h. Pure. */
-HD struct rollout_plan rollout_plan(const struct model_vehicle *veh, const struct model_future *fut, float horizon_s)
+HD struct rollout_plan rollout_plan(const struct model_vehicle *veh, const struct model_future *fut,
+				    float horizon_s)
 {
 	struct rollout_plan p;
 
@@ -152,8 +149,10 @@ HD float rollout_lag_v(const struct rollout *r, float v, float e)
 {
 	const float ep = r->k * r->tau * v;
 	const float w = det_fmaf(r->ka, det_fmaf(16.0f, r->ka, -4.0f), 1.0f);
-	const float d1 = -r->fe * r->tau * w * det_fmaf(2.0f * ep, 1.0f + ep, det_fmaf(2.0f, r->ka, 1.0f));
-	const float d2 = r->b2 * det_fmaf(ep, det_fmaf(10.5f, ep, 5.0f), det_fmaf(-6.5f, r->ka, 1.0f));
+	const float d1 =
+		-r->fe * r->tau * w * det_fmaf(2.0f * ep, 1.0f + ep, det_fmaf(2.0f, r->ka, 1.0f));
+	const float d2 =
+		r->b2 * det_fmaf(ep, det_fmaf(10.5f, ep, 5.0f), det_fmaf(-6.5f, r->ka, 1.0f));
 
 	return e * det_fmaf(e, d2, d1);
 }
@@ -163,7 +162,8 @@ HD float rollout_lag_x(const struct rollout *r, float v, float e)
 	const float ep = r->k * r->tau * v;
 	const float w = det_fmaf(r->ka, det_fmaf(16.0f, r->ka, -4.0f), 1.0f);
 	const float d1 = r->fe * r->tau * w * det_fmaf(2.0f, ep, 1.0f);
-	const float d2 = -0.5f * r->b2 * det_fmaf(ep, det_fmaf(8.0f, ep, 5.0f), det_fmaf(-9.0f, r->ka, 1.0f));
+	const float d2 = -0.5f * r->b2 *
+			 det_fmaf(ep, det_fmaf(8.0f, ep, 5.0f), det_fmaf(-9.0f, r->ka, 1.0f));
 
 	return r->tau * e * det_fmaf(e, d2, d1);
 }
@@ -190,7 +190,8 @@ HD void rollout_kink(struct rollout *r, const struct rollout_plan *p)
 {
 	const float over = p->cmd_mps2 - r->bound;
 	const float e = det_maxf(over / det_maxf(r->fe, 1e-6f), 1e-10f);
-	const float ek = over > 0.0f ? det_minf(e, 0.9999999f) : 0.5f; /* below 1: sk > 0 tells P2 from P1 */
+	const float ek =
+		over > 0.0f ? det_minf(e, 0.9999999f) : 0.5f; /* below 1: sk > 0 tells P2 from P1 */
 	const float sk = -r->tau * det_logf(ek);
 	const struct rollout_flow f = rollout_flow(r->r0, r->c1, r->k, sk);
 	float at;
@@ -212,8 +213,12 @@ HD void rollout_stop(struct rollout *r)
 	const float c = det_maxf(r->base_c, 1e-4f), v = r->base_v;
 	const float q = r->k * v * v;
 	const float c2 = c * c, cq = c * q, q2 = q * q;
-	const float num = det_fmaf(15015.0f * c, c2, det_fmaf(19250.0f * c, cq, det_fmaf(5943.0f * c, q2, 256.0f * q * q2)));
-	const float den = det_fmaf(15015.0f * c, c2, det_fmaf(24255.0f * c, cq, det_fmaf(11025.0f * c, q2, 1225.0f * q * q2)));
+	const float num =
+		det_fmaf(15015.0f * c, c2,
+			 det_fmaf(19250.0f * c, cq, det_fmaf(5943.0f * c, q2, 256.0f * q * q2)));
+	const float den =
+		det_fmaf(15015.0f * c, c2,
+			 det_fmaf(24255.0f * c, cq, det_fmaf(11025.0f * c, q2, 1225.0f * q * q2)));
 	const float y = v * v / det_fmaf(2.0f, c, q);
 	const float ky = r->k * y;
 	float end = r->base_s + v * num / (c * den);
@@ -265,8 +270,9 @@ HD float rollout_root(float a, float b, float c)
 HD void rollout_short(struct rollout *r, const struct rollout_plan *p)
 {
 	const float slope = r->grade + r->k * r->v1 * r->v1 * (1.0f / 3.0f) - (r->fe - p->cmd_mps2);
-	const float guess = rollout_root(det_fmaf(0.8f, slope, r->fe),
-					 det_fmaf(2.0f * slope, r->tau, -0.8f * r->v1), -2.0f * r->v1 * r->tau);
+	const float guess =
+		rollout_root(det_fmaf(0.8f, slope, r->fe),
+			     det_fmaf(2.0f * slope, r->tau, -0.8f * r->v1), -2.0f * r->v1 * r->tau);
 	float s = r->end_s * r->rate < 3.0f ? guess : r->end_s;
 	struct rollout_point pt;
 
@@ -329,6 +335,7 @@ HD void rollout_near(struct rollout *r)
 	r->near_hi = det_maxf(two > 0.0f ? hi : det_minf(hi, r->sk), 0.0f);
 	r->near_s = det_minf(det_maxf(root + r->near_lo, r->near_lo), r->near_hi);
 	r->near_rel = 0.0f;
+	r->near_at = r->near_lo;
 	r->want = hi > 0.0f ? 1.0f : 0.0f;
 }
 
@@ -349,32 +356,28 @@ HD void rollout_approach(struct rollout *r)
 	float by, rel;
 
 	more = rest < 2e-4f ? more : 1.0f;
-	by = more > 0.0f ? 0.0f : h; /* a point of the path is a bound of the minimum, a poor expansion is not */
+	by = more > 0.0f
+		     ? 0.0f
+		     : h; /* a point of the path is a bound of the minimum, a poor expansion is not */
 	rel = rollout_lead_x(r, t) - r->x1 - pt.x +
 	      by * det_fmaf(by, det_fmaf(by, ddv * (1.0f / 6.0f), 0.5f * dv), v);
 	r->near_rel = r->want > 0.0f ? rel : r->near_rel;
+	r->near_at = r->want > 0.0f ? s + by : r->near_at;
 	r->near_s = r->want > 0.0f ? next : r->near_s;
 	r->want = r->want > 0.0f ? more : 0.0f;
 }
 
-/** rollout_end - last stage without impact: need and flags. */
-HD struct model_out rollout_end(struct rollout *r, const struct rollout_plan *p)
+/** rollout_end - last stage before impact: need; returns the flags. */
+HD uint32_t rollout_end(struct rollout *r, const struct rollout_plan *p)
 {
 	const float rel = rollout_lead_x(r, r->onset + r->end_s) - r->stop;
-	const float lead_v = rollout_lead_v(r, p->horizon_s);
-	struct model_out out;
-	uint32_t undecided = r->end_v > lead_v ? MODEL_UNDECIDED : 0u;
+	const uint32_t rolling = r->end_v > 0.0f ? MODEL_ROLLING : 0u;
+	uint32_t open = r->end_v > rollout_lead_v(r, p->horizon_s) ? MODEL_UNDECIDED : 0u;
 
+	open = r->end_v > 0.0f ? open : 0u;
 	r->need = det_maxf(det_maxf(r->near_0, -r->near_rel), -rel);
-	out.stop_m = r->stop;
-	out.need_m = r->need;
-	out.impact_mps = 0.0f;
-	undecided = r->headway > r->need ? undecided : 0u;
-	undecided = r->end_v > 0.0f ? undecided : 0u;
-	out.flags = undecided | (r->headway > r->need ? 0u : MODEL_CONTACT) | (r->end_v > 0.0f ? MODEL_ROLLING : 0u);
-	return out;
+	return rolling | (r->headway > r->need ? open : MODEL_CONTACT);
 }
-
 
 /** rollout_hit - bracket the first contact of a lane that has one; sets want. */
 HD void rollout_hit(struct rollout *r)
@@ -382,12 +385,15 @@ HD void rollout_hit(struct rollout *r)
 	const float gap_d = r->headway + rollout_lead_x(r, r->onset) - r->x1;
 	const float tk = r->onset + r->sk;
 	const float gap_k = r->headway + rollout_lead_x(r, tk) - r->x1 - r->x2;
-	const float near = r->headway + r->near_rel > 0.0f ? 0.0f : 1.0f; /* contact by near_s at the latest */
-	const float end = r->onset + (near > 0.0f ? r->near_s : r->end_s);
+	const float near = r->headway + r->near_rel > 0.0f
+				   ? 0.0f
+				   : 1.0f; /* contact by near_at at the latest */
+	const float end = r->onset + (near > 0.0f ? r->near_at : r->end_s);
 	float in_p2 = r->sk < ROLLOUT_NEVER_S ? gap_k : -1.0f;
 	float hi;
 
-	in_p2 = near > r->near_lo ? -1.0f : in_p2; /* P1 has the root that collides */
+	in_p2 = (r->near_lo > 0.0f ? 0.0f : near) > 0.0f ? -1.0f
+							 : in_p2; /* the colliding root is in P1 */
 	hi = det_minf(end, in_p2 > 0.0f ? end : tk);
 	r->hit_lo = r->onset + (in_p2 > 0.0f ? r->sk : 0.0f);
 	hi = gap_d > 0.0f ? hi : r->onset;
@@ -424,6 +430,7 @@ HD void rollout_contact(struct rollout *r)
 	more = (jerk * step * step < 4e-3f ? step * step : 1.0f) < 0.01f ? 0.0f : 1.0f;
 	more = (t < r->lead_stop ? 0.0f : 1.0f) == (aim < r->lead_stop ? 0.0f : 1.0f) ? more : 1.0f;
 	more = early == (aim < r->onset ? 1.0f : 0.0f) ? more : 1.0f;
+	more = speed > 0.0f ? more : 1.0f; /* the parabola seen from here misses */
 	more = step * step < 1e-8f ? 0.0f : more;
 	r->impact = r->want > 0.0f ? speed : r->impact;
 	r->hit_lo = lo;
@@ -432,7 +439,7 @@ HD void rollout_contact(struct rollout *r)
 	r->want = r->want > 0.0f ? more : 0.0f;
 }
 
-#define ROLLOUT_APPROACH_MAX 6  /* corrections after which what is found counts */
+#define ROLLOUT_APPROACH_MAX 6 /* corrections after which what is found counts */
 #define ROLLOUT_CONTACT_MAX  24
 
 /**
@@ -472,7 +479,10 @@ HD struct model_out rollout_sample(const struct rollout_plan *p, const float *in
 	for (int i = 0; i < ROLLOUT_APPROACH_MAX && r.want > 0.0f; i++) {
 		rollout_approach(&r);
 	}
-	out = rollout_end(&r, p);
+	out.flags = rollout_end(&r, p);
+	out.stop_m = r.stop;
+	out.need_m = r.need;
+	out.impact_mps = 0.0f;
 	if (out.flags & MODEL_CONTACT) {
 		rollout_hit(&r);
 		for (int i = 0; i < ROLLOUT_CONTACT_MAX && r.want > 0.0f; i++) {

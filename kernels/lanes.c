@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT
+ * The lane loops, compiled once per variant. A stage of rollout.h over a block of lanes is one loop; what only some
+ * lanes need runs for all lanes of a block that has one, and a select leaves the others as they were.
+ */
+#include "lane_block.h"
+#include "tally.h"
+#include <stddef.h>
+
+#define LANES_NAME2(v)   lanes_##v
+#define LANES_NAME1(v)   LANES_NAME2(v)
+#define LANES_STRING2(v) #v
+#define LANES_STRING1(v) LANES_STRING2(v)
+
+_Static_assert(offsetof(struct lanes_block, delay) == MODEL_DELAY * LANES * sizeof(float),
+	       "the first fields are the inputs in their order");
+
+#define LOAD(name)  r.name = b->name[i];
+#define STORE(name) b->name[i] = r.name;
+
+/* Fields that a stage leaves alone are loaded and stored for nothing; the compiler drops both. */
+#define LANE_STAGE(stage, call)                                            \
+	static void lane_##stage(struct lanes_block *restrict b,           \
+				 const struct rollout_plan *restrict plan) \
+	{                                                                  \
+		const struct rollout_plan p = *plan;                       \
+		for (int i = 0; i < LANES; i++) {                          \
+			struct rollout r;                                  \
+			ROLLOUT_FIELDS(LOAD)                               \
+			call;                                              \
+			ROLLOUT_FIELDS(STORE)                              \
+		}                                                          \
+		(void)p;                                                   \
+	}
+
+LANE_STAGE(scene, rollout_scene(&r, &p))
+LANE_STAGE(coast, rollout_coast(&r, &p))
+LANE_STAGE(match, rollout_match(&r, &p))
+LANE_STAGE(kink, rollout_kink(&r, &p))
+LANE_STAGE(stop, rollout_stop(&r))
+LANE_STAGE(short, rollout_short(&r, &p))
+LANE_STAGE(late, rollout_late(&r, &p))
+LANE_STAGE(roll, rollout_roll(&r, &p))
+LANE_STAGE(near, rollout_near(&r))
+LANE_STAGE(approach, rollout_approach(&r))
+LANE_STAGE(hit, rollout_hit(&r))
+LANE_STAGE(contact, rollout_contact(&r))
+
+static void lane_end(struct lanes_block *restrict b, const struct rollout_plan *restrict plan,
+		     uint32_t *restrict flags)
+{
+	const struct rollout_plan p = *plan;
+
+	for (int i = 0; i < LANES; i++) {
+		struct rollout r;
+		ROLLOUT_FIELDS(LOAD)
+		flags[i] = rollout_end(&r, &p);
+		b->need[i] = r.need;
+	}
+}
+
+static void lane_draw(const struct sample_plan *restrict plan, const float *restrict z,
+		      uint32_t stride, float *restrict in, uint32_t *restrict lifted)
+{
+	const struct sample_plan p = *plan;
+
+	for (int i = 0; i < LANES; i++) {
+		lifted[i] = (uint32_t)sample_draw(&p, z + i, stride, in + i, LANES);
+	}
+}
+
+static int lane_wanted(const float *restrict want)
+{
+	uint32_t any = 0;
+
+	for (int i = 0; i < LANES; i++) {
+		any |= det_bits(want[i]);
+	}
+	return any != 0;
+}
+
+static uint32_t lane_count(const uint32_t *restrict flags, uint32_t n, uint32_t mask)
+{
+	uint32_t count = 0;
+
+	for (uint32_t i = 0; i < n; i++) {
+		count += (flags[i] & mask) != 0 ? 1 : 0;
+	}
+	return count;
+}
+
+static void lane_moments(const float *restrict stop, uint32_t n, int32_t centre,
+			 struct stats_sums *sums)
+{
+	int64_t sum = 0;
+	uint64_t sum2 = 0;
+
+	for (uint32_t i = 0; i < n; i++) {
+		const int64_t d = tally_units(stop[i]) - centre;
+
+		sum += d;
+		sum2 += (uint64_t)(d * d);
+	}
+	sums->stop_sum += sum;
+	sums->stop_sum2 += sum2;
+}
+
+static void lane_bins(struct lanes_work *restrict w, float mean_headway_m, uint32_t req_flags)
+{
+	const struct lanes_block *b = &w->block;
+
+	for (int i = 0; i < LANES; i++) {
+		const uint32_t flags = w->flags[i];
+
+		w->stop_bin[i] = tally_stop_bin(b->stop[i], flags);
+		w->need_bin[i] = tally_need_bin(b->need[i], b->headway[i] - mean_headway_m, flags,
+						req_flags);
+	}
+}
+
+/* First contact of the pooled lanes; none of it depends on the future they come from. */
+static void pool_flush(struct lanes_work *w, const struct lanes_job *job)
+{
+	struct lanes_block *b = &w->pool;
+
+	lane_hit(b, &job->future[0]);
+	for (int i = 0; i < ROLLOUT_CONTACT_MAX && lane_wanted(b->want); i++) {
+		lane_contact(b, &job->future[0]);
+	}
+	for (uint32_t i = 0; i < w->pooled; i++) {
+		if (job->sums) {
+			job->sums->impact_units[w->pool_future[i]] +=
+				(uint32_t)tally_units(b->impact[i]);
+		}
+		if (job->out) {
+			job->out[(size_t)w->pool_future[i] * job->out_stride + w->pool_index[i]]
+				.impact_mps = b->impact[i];
+		}
+	}
+	w->pooled = 0;
+}
+
+static void pool_add(struct lanes_work *w, const struct lanes_job *job, uint32_t n, uint32_t future,
+		     uint32_t first)
+{
+	const struct lanes_block *b = &w->block;
+
+	for (uint32_t i = 0; i < n; i++) {
+		if (!(w->flags[i] & MODEL_CONTACT)) {
+			continue;
+		}
+		const uint32_t at = w->pooled;
+#define POOL(name) w->pool.name[at] = b->name[i];
+		ROLLOUT_FIELDS(POOL)
+#undef POOL
+		w->pool_future[at] = future;
+		w->pool_index[at] = first + i;
+		if (++w->pooled == LANES) {
+			pool_flush(w, job);
+		}
+	}
+}
+
+static void count(struct lanes_work *w, const struct lanes_job *job, uint32_t n, uint32_t future)
+{
+	const uint32_t rolling = job->flags & MC_ROLLING_IS_CONTACT ? MODEL_ROLLING : 0;
+	const uint32_t open = job->flags & MC_ROLLING_IS_CONTACT ? 0 : MODEL_UNDECIDED;
+
+	job->sums->hits[future] += lane_count(w->flags, n, MODEL_CONTACT | rolling);
+	job->sums->undecided[future] += lane_count(w->flags, n, open);
+	if (!job->hist || future != job->hist_future) {
+		return;
+	}
+	lane_moments(w->block.stop, n, job->centre, job->sums);
+	lane_bins(w, job->mean_headway_m, job->flags);
+	for (uint32_t i = 0; i < n; i++) {
+		job->hist->stop[w->stop_bin[i]]++;
+		job->hist->need[w->need_bin[i]]++;
+	}
+}
+
+static void put(struct lanes_work *w, const struct lanes_job *job, uint32_t n, uint32_t future,
+		uint32_t first)
+{
+	struct model_out *out = job->out + (size_t)future * job->out_stride + first;
+
+	for (uint32_t i = 0; i < n; i++) {
+		out[i].stop_m = w->block.stop[i];
+		out[i].need_m = w->block.need[i];
+		out[i].impact_mps = 0.0f;
+		out[i].flags = w->flags[i];
+	}
+}
+
+static void roll(struct lanes_work *w, const struct rollout_plan *p)
+{
+	struct lanes_block *b = &w->block;
+
+	lane_coast(b, p);
+	lane_match(b, p);
+	lane_kink(b, p);
+	lane_stop(b, p);
+	if (lane_wanted(b->want)) {
+		lane_short(b, p);
+	}
+	lane_late(b, p);
+	if (lane_wanted(b->want)) {
+		lane_roll(b, p);
+	}
+	lane_near(b, p);
+	for (int i = 0; i < ROLLOUT_APPROACH_MAX && lane_wanted(b->want); i++) {
+		lane_approach(b, p);
+	}
+	lane_end(b, p, w->flags);
+}
+
+/* The draws of a block; an incomplete one is filled up with copies of its first sample. */
+static const float *draws(struct lanes_work *w, const struct lanes_job *job, uint32_t first,
+			  uint32_t n, uint32_t *stride)
+{
+	const uint32_t rows = job->sample ? MC_DIM : MODEL_INPUTS;
+
+	*stride = job->stride;
+	if (n == LANES) {
+		return job->z + first;
+	}
+	for (uint32_t d = 0; d < rows; d++) {
+		for (uint32_t i = 0; i < LANES; i++) {
+			w->tail[d][i] = job->z[(size_t)d * job->stride + first + (i < n ? i : 0)];
+		}
+	}
+	*stride = LANES;
+	return w->tail[0];
+}
+
+static void block(struct lanes_work *w, const struct lanes_job *job, uint32_t first, uint32_t n)
+{
+	uint32_t stride;
+	const float *z = draws(w, job, first, n, &stride);
+
+	if (job->sample) {
+		lane_draw(job->sample, z, stride, w->block.headway, w->lifted);
+	} else {
+		for (int d = 0; d < MODEL_INPUTS; d++) {
+			memcpy(w->block.headway + d * LANES, z + (size_t)d * stride,
+			       LANES * sizeof(*z));
+		}
+	}
+	if (job->sums) {
+		job->sums->n += n;
+		job->sums->floored += lane_count(w->lifted, n, 1);
+	}
+	lane_scene(&w->block, &job->future[0]);
+	for (uint32_t f = 0; f < job->n_futures; f++) {
+		roll(w, &job->future[f]);
+		if (job->sums) {
+			count(w, job, n, f);
+		}
+		if (job->out) {
+			put(w, job, n, f, first);
+		}
+		if (job->flags & MC_WANT_IMPACT) {
+			pool_add(w, job, n, f, first);
+		}
+	}
+}
+
+static void run(struct lanes_work *w, const struct lanes_job *job)
+{
+	for (uint32_t first = 0; first < job->count; first += LANES) {
+		const uint32_t left = job->count - first;
+
+		block(w, job, first, left < LANES ? left : LANES);
+	}
+	if (w->pooled) {
+		pool_flush(w, job);
+	}
+}
+
+extern const struct lanes LANES_NAME1(LANE_VARIANT);
+const struct lanes LANES_NAME1(LANE_VARIANT) = {LANES_STRING1(LANE_VARIANT), run};

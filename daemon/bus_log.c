@@ -239,7 +239,13 @@ static void log_close(struct bus *b)
 	free(l);
 }
 
-static const struct bus_ops log_ops = {"log", log_recv, log_send, log_stats, log_close};
+static const struct bus_ops log_ops = {
+	.name = "log",
+	.recv = log_recv,
+	.send = log_send,
+	.stats = log_stats,
+	.close = log_close,
+};
 
 /* ---- open ----------------------------------------------------------------------------------- */
 

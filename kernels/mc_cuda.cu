@@ -7,11 +7,11 @@
 #include "mc_ops.h"
 #include "tally.h"
 
-#define BATCH_BLOCK 128
+#define BATCH_BLOCK  128
 #define BATCH_PER_SM 5
-#define HIST_BLOCK  512
-#define HIST_PER_SM 1
-#define HIST_SHARED (2u * MC_HIST_BINS * (uint32_t)sizeof(uint32_t))
+#define HIST_BLOCK   512
+#define HIST_PER_SM  1
+#define HIST_SHARED  (2u * MC_HIST_BINS * (uint32_t)sizeof(uint32_t))
 
 #define CONCAT(a, b) a##b
 
@@ -46,8 +46,9 @@ static __global__ void fetch(struct cuda_args a)
 
 /* Inputs of draw @index: from the resident table, or made here from the same plan. Returns 1 if a floor lifted one. */
 template <bool GENERATE>
-static __device__ __forceinline__ int draw(const struct cuda_resident *res, const struct normal_plan *normal,
-					   const struct sample_plan *plan, uint64_t index, float in[MODEL_INPUTS])
+static __device__ __forceinline__ int
+draw(const struct cuda_resident *res, const struct normal_plan *normal,
+     const struct sample_plan *plan, uint64_t index, float in[MODEL_INPUTS])
 {
 	if (GENERATE) {
 		float z[MC_DIM];
@@ -86,9 +87,11 @@ static __device__ uint64_t warp_sum(uint64_t x)
 	return x;
 }
 
-static __device__ void add_up(struct block_memory *s, struct cuda_work *work, uint32_t future, const struct thread_sums *t)
+static __device__ void add_up(struct block_memory *s, struct cuda_work *work, uint32_t future,
+			      const struct thread_sums *t)
 {
-	const uint64_t mine[CUDA_SUMS] = {t->n, t->floored, t->hits, t->undecided, t->impact, (uint64_t)t->stop, t->stop2};
+	const uint64_t mine[CUDA_SUMS] = {t->n,      t->floored,        t->hits, t->undecided,
+					  t->impact, (uint64_t)t->stop, t->stop2};
 
 	for (uint32_t i = 0; i < CUDA_SUMS; i++) {
 		const uint64_t x = warp_sum(mine[i]);
@@ -102,12 +105,14 @@ static __device__ void add_up(struct block_memory *s, struct cuda_work *work, ui
 		const uint64_t x = s->sum[threadIdx.x];
 
 		atomicAdd((unsigned long long *)&work->sum[future][threadIdx.x], x);
-		atomicAdd((unsigned long long *)&work->check, x * cuda_check_weight(future, threadIdx.x));
+		atomicAdd((unsigned long long *)&work->check,
+			  x * cuda_check_weight(future, threadIdx.x));
 	}
 }
 
 template <bool HIST, bool GENERATE>
-static __device__ void roll(const struct cuda_args *a, struct block_memory *s, uint32_t *hist, uint32_t rank)
+static __device__ void roll(const struct cuda_args *a, struct block_memory *s, uint32_t *hist,
+			    uint32_t rank)
 {
 	const struct cuda_job *job = &a->work->job;
 	const uint32_t futures = job->n_futures, future = rank % futures;
@@ -125,11 +130,15 @@ static __device__ void roll(const struct cuda_args *a, struct block_memory *s, u
 		hist[i] = 0;
 	}
 	__syncthreads();
-	for (uint32_t i = slot * blockDim.x + threadIdx.x; slot < slots && i < count; i += slots * blockDim.x) {
+	for (uint32_t i = slot * blockDim.x + threadIdx.x; slot < slots && i < count;
+	     i += slots * blockDim.x) {
 		float in[MODEL_INPUTS];
 
-		asm volatile("" ::: "memory"); /* the plan stays in shared memory: as registers it would spill */
-		const int lifted = draw<GENERATE>(a->resident, &s->normal, &s->sample, job->first + i, in);
+		asm volatile(
+			"" ::
+				: "memory"); /* the plan stays in shared memory: as registers it would spill */
+		const int lifted =
+			draw<GENERATE>(a->resident, &s->normal, &s->sample, job->first + i, in);
 		const struct model_out out = rollout_sample(&s->roll, in, 1);
 
 		t.n += future == 0;
@@ -143,13 +152,20 @@ static __device__ void roll(const struct cuda_args *a, struct block_memory *s, u
 			t.stop += q;
 			t.stop2 += (uint64_t)(q * q);
 			atomicAdd(&hist[tally_stop_bin(out.stop_m, out.flags)], 1u);
-			atomicAdd(&hist[MC_HIST_BINS + tally_need_bin(out.need_m, in[MODEL_HEADWAY] - s->sample.mean[MODEL_HEADWAY], out.flags, flags)], 1u);
+			atomicAdd(&hist[MC_HIST_BINS +
+					tally_need_bin(out.need_m,
+						       in[MODEL_HEADWAY] -
+							       s->sample.mean[MODEL_HEADWAY],
+						       out.flags, flags)],
+				  1u);
 		}
 	}
 	add_up(s, a->work, future, &t);
 	for (uint32_t i = threadIdx.x; histograms && i < 2 * MC_HIST_BINS; i += blockDim.x) {
 		if (hist[i]) {
-			atomicAdd(i < MC_HIST_BINS ? &a->work->stop[i] : &a->work->need[i - MC_HIST_BINS], hist[i]);
+			atomicAdd(i < MC_HIST_BINS ? &a->work->stop[i]
+						   : &a->work->need[i - MC_HIST_BINS],
+				  hist[i]);
 		}
 	}
 }
@@ -171,7 +187,8 @@ static __device__ void audit(const struct cuda_args *a, struct block_memory *s)
 {
 	const struct cuda_resident *res = a->resident;
 	const uint32_t from = a->work->job.slice * CUDA_SLICE_WORDS;
-	const uint32_t to = from + CUDA_SLICE_WORDS < res->words ? from + CUDA_SLICE_WORDS : res->words;
+	const uint32_t to =
+		from + CUDA_SLICE_WORDS < res->words ? from + CUDA_SLICE_WORDS : res->words;
 	const uint64_t job = digest(&a->work->job, 0, sizeof(struct cuda_job) / sizeof(uint32_t));
 	const uint64_t slice = digest(res, from, to);
 
@@ -180,7 +197,8 @@ static __device__ void audit(const struct cuda_args *a, struct block_memory *s)
 		atomicAdd((unsigned long long *)&s->sum[1], slice);
 	}
 	if (threadIdx.x < CUDA_CANARIES) {
-		a->out->canary[threadIdx.x] = rollout_sample(&res->canary_plan, &res->canary[0][threadIdx.x], CUDA_CANARIES);
+		a->out->canary[threadIdx.x] = rollout_sample(
+			&res->canary_plan, &res->canary[0][threadIdx.x], CUDA_CANARIES);
 	}
 	__syncthreads();
 	if (threadIdx.x == 0) {
@@ -217,12 +235,14 @@ template <bool HIST> static __device__ void publish(const struct cuda_args *a)
 }
 
 template <bool HIST, bool GENERATE>
-static __global__ void __launch_bounds__(HIST ? HIST_BLOCK : BATCH_BLOCK, HIST ? HIST_PER_SM : BATCH_PER_SM)
+static __global__ void __launch_bounds__(HIST ? HIST_BLOCK : BATCH_BLOCK,
+					 HIST ? HIST_PER_SM : BATCH_PER_SM)
 	batch(struct cuda_args a)
 {
 	extern __shared__ uint32_t hist[]; /* [2][MC_HIST_BINS] */
 	__shared__ struct block_memory s;
-	const uint32_t rank = (blockIdx.x + gridDim.x - (uint32_t)(a.work->job.seq % gridDim.x)) % gridDim.x;
+	const uint32_t rank =
+		(blockIdx.x + gridDim.x - (uint32_t)(a.work->job.seq % gridDim.x)) % gridDim.x;
 
 	if (threadIdx.x < CUDA_SUMS) {
 		s.sum[threadIdx.x] = 0;
@@ -247,12 +267,14 @@ static __global__ void __launch_bounds__(HIST ? HIST_BLOCK : BATCH_BLOCK, HIST ?
 
 /* ---- per-sample results ---------------------------------------------------------------------------- */
 
-template <enum mc_rollout WHICH> static __global__ void __launch_bounds__(128) samples(struct cuda_samples_args a)
+template <enum mc_rollout WHICH>
+static __global__ void __launch_bounds__(128) samples(struct cuda_samples_args a)
 {
 	const struct cuda_job *job = a.job;
 	const uint64_t all = (uint64_t)job->count * job->n_futures;
 
-	for (uint64_t k = blockIdx.x * blockDim.x + threadIdx.x; k < all; k += (uint64_t)gridDim.x * blockDim.x) {
+	for (uint64_t k = blockIdx.x * blockDim.x + threadIdx.x; k < all;
+	     k += (uint64_t)gridDim.x * blockDim.x) {
 		const uint32_t future = (uint32_t)(k / job->count), i = (uint32_t)(k % job->count);
 		const uint64_t index = job->first + i;
 		float in[MODEL_INPUTS];
@@ -267,14 +289,16 @@ template <enum mc_rollout WHICH> static __global__ void __launch_bounds__(128) s
 			draw<true>(NULL, &a.resident->normal, &job->sample, index, in);
 		}
 		a.out[k] = WHICH == MC_FAST ? rollout_sample(&job->roll[future], in, 1)
-					    : model_rollout(&job->vehicle, &job->future[future], job->horizon_s, a.dt_s, in, 1);
+					    : model_rollout(&job->vehicle, &job->future[future],
+							    job->horizon_s, a.dt_s, in, 1);
 	}
 }
 
 #include "mc_cuda_paper.cuh"
 
 extern "C" const struct cuda_kernel_row cuda_kernel_table[CUDA_KERNELS] = {
-#define CUDA_KERNEL(id, name, function, block, shared) {name, (const void *)function, block, shared},
+#define CUDA_KERNEL(id, name, function, block, shared) \
+	{name, (const void *)function, block, shared},
 #include "mc_cuda_kernels.def"
 #undef CUDA_KERNEL
 };

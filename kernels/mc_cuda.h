@@ -9,12 +9,14 @@
 
 /* The device, and what a measurement on it depends on. */
 struct mc_cuda_info {
-	char name[64];
+	char name[256];
 	int major, minor;                /* compute capability */
 	int sms;                         /* multiprocessors */
 	int clock_khz, memory_clock_khz; /* the highest the driver states */
 	int driver, runtime;             /* CUDA versions, 1000 * major + 10 * minor */
 };
+
+#define MC_CUDA_PEAK_OPS 1000000000000.0
 
 /* What the stopwatch can time. */
 enum mc_cuda_rung {
@@ -34,12 +36,13 @@ struct mc_cuda_time {
 int mc_cuda_info(const struct mc_backend *b, struct mc_cuda_info *ret);
 
 /**
- * mc_cuda_time - one timed execution; not for the daemon
- * @req:  the request; rungs but FAST use its first n draws and first future, the paper's its standing lead
- * @dt_s: step of PAPER and REFERENCE; for PEAK multiply-adds a thread
- * Allocates and frees. 0 or -errno as mc_ops. For PEAK @ret is filled per multiply-add [ns] over the whole device.
+ * mc_cuda_time - timed executions, one after the other; not for the daemon
+ * @req:  at most as many samples as resident draws (FAST: any); PAPER and REFERENCE take its first future
+ * @dt_s: step of PAPER and REFERENCE
+ * @ret:  [repeats]
+ * Allocates and frees. 0, -EINVAL, or -errno as in mc_ops.h.
  */
 int mc_cuda_time(struct mc_backend *b, enum mc_cuda_rung rung, const struct mc_request *req,
-		 double dt_s, struct mc_cuda_time *ret);
+		 double dt_s, uint32_t repeats, struct mc_cuda_time *ret);
 
 #endif

@@ -11,4 +11,23 @@ static int none_open(const struct mc_params *p, struct mc_backend **ret)
 	return -ENOTSUP;
 }
 
+int mc_cuda_info(const struct mc_backend *b, struct mc_cuda_info *ret)
+{
+	(void)b;
+	(void)ret;
+	return -ENOTSUP;
+}
+
+int mc_cuda_time(struct mc_backend *b, enum mc_cuda_rung rung, const struct mc_request *req,
+		 double dt_s, uint32_t repeats, struct mc_cuda_time *ret)
+{
+	(void)b;
+	(void)rung;
+	(void)req;
+	(void)dt_s;
+	(void)repeats;
+	(void)ret;
+	return -ENOTSUP;
+}
+
 const struct mc_ops mc_cuda_ops = {.name = "cuda", .open = none_open};

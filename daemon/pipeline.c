@@ -1,0 +1,322 @@
+/* SPDX-License-Identifier: MIT
+ * The event loop: three kinds of event (frames, a finished batch, a deadline), each handled to its end before the next
+ * is waited for. All time is the bus's; a clock only stamps edges within a step.
+ */
+#include "pipeline_priv.h"
+#include <errno.h>
+#include <stdlib.h>
+#include "clock.h"
+
+#define FRAMES_MAX 32
+#define POLL_NS \
+	CLOCK_NS_PER_MS /* how long a result may lie unread where the bus cannot watch for it */
+
+static int64_t earlier(int64_t a, int64_t b)
+{
+	return a < b ? a : b;
+}
+
+/* ---- decision ---------------------------------------------------------------------------------- */
+
+/* On @s, with its result or without one; what follows goes out at once where it is news. */
+static void decide(struct pipeline *p, const struct scene *s, const struct mc_result *res)
+{
+	struct decision dec = decision_step(p->o.cfg, res, s, p->faults.active, p->now_ns, &p->dec);
+
+	p->in.have_scan = pipeline_trusted(p);
+	p->in.scan_ns = s->scan_ns;
+	p->in.scene = *s;
+	p->in.have_result = res != NULL;
+	if (res) {
+		p->in.res = *res;
+		p->in.eval_id = res->id;
+		p->in.samples = (uint32_t)res->n;
+		p->cycle.dec = dec;
+		p->cycle.t_ns[STAGE_DECIDE] = pipeline_stamp(p);
+	}
+	if (pipeline_state(p, dec)) {
+		pipeline_send(p, PUBLISH_REQUEST);
+	}
+	pipeline_send(p, PUBLISH_RISK);
+	pipeline_send(p, PUBLISH_MARGIN);
+}
+
+/* ---- evaluation -------------------------------------------------------------------------------- */
+
+static void fail(struct pipeline *p)
+{
+	p->once |= FAULT_BIT(MC_ERROR);
+	pipeline_faults(p);
+	decide(p, &p->scene, NULL);
+}
+
+static void take_result(struct pipeline *p)
+{
+	struct cycle *c = &p->cycle;
+	int old = p->now_ns - c->scene.scan_ns > p->ttl_ns;
+	int late = old || c->res.flags & MC_RES_CUT;
+
+	p->stats.late += (uint64_t)late;
+	p->lasting = late ? p->lasting | FAULT_BIT(MC_LATE) : p->lasting & ~FAULT_BIT(MC_LATE);
+	pipeline_faults(p);
+	if (old || !pipeline_trusted(p)) {
+		decide(p, &p->scene, NULL);
+		return;
+	}
+	p->stats.evaluations++;
+	if (c->res.risk[FUTURE_DEFER].p > p->stats.risk_max) {
+		p->stats.risk_max = c->res.risk[FUTURE_DEFER].p;
+	}
+	decide(p, &c->scene, &c->res);
+	if (p->o.on_cycle) {
+		p->o.on_cycle(p->o.arg, c, p->in.state);
+	}
+}
+
+/* A result of another request than ours is an error of the backend. */
+static void collect(struct pipeline *p)
+{
+	struct cycle *c = &p->cycle;
+	int got = p->running ? mc_poll(p->o.mc, &c->res) : 0;
+
+	if (!got) {
+		return;
+	}
+	p->running = 0;
+	c->t_ns[STAGE_RESULT] = pipeline_stamp(p);
+	if (got < 0 || c->res.id != c->id || c->res.req_hash != mc_request_hash(&c->req)) {
+		fail(p);
+	} else {
+		take_result(p);
+	}
+}
+
+static void submit(struct pipeline *p)
+{
+	struct cycle *c = &p->cycle;
+	int err;
+
+	*c = (struct cycle){.id = ++p->last_id, .scene = p->scene};
+	c->t_ns[STAGE_INPUT] = p->now_ns - c->scene.oldest_input_ns;
+	c->t_ns[STAGE_SCAN] = c->scene.scan_ns;
+	err = pipeline_request(p->o.cfg, &c->scene, c->id, &c->req);
+	c->t_ns[STAGE_SCENE] = c->t_ns[STAGE_SUBMIT] = pipeline_stamp(p);
+	err = err ? err : mc_submit(p->o.mc, &c->req);
+	if (err < 0) {
+		fail(p);
+		return;
+	}
+	p->running = 1;
+	p->cut_ns = p->now_ns + p->budget_ns;
+	p->stuck_ns = p->cut_ns + p->ttl_ns;
+	collect(p);
+}
+
+static void evaluate(struct pipeline *p)
+{
+	p->waiting = 0;
+	if (pipeline_trusted(p) && p->scene.ego_valid && p->scene.lead_valid) {
+		submit(p);
+	} else {
+		decide(p, &p->scene, NULL);
+	}
+}
+
+/* While a batch runs the newest scan waits, and what is decided meanwhile is decided without it. */
+static void on_scan(struct pipeline *p)
+{
+	p->stats.scans++;
+	estimator_scene(p->est, p->now_ns, &p->scene);
+	if (p->running && p->now_ns - p->cycle.scene.scan_ns > p->ttl_ns) {
+		p->lasting |= FAULT_BIT(MC_LATE);
+	}
+	pipeline_faults(p);
+	if (!p->running) {
+		evaluate(p);
+		return;
+	}
+	p->stats.skipped += (uint64_t)p->waiting;
+	p->waiting = 1;
+	if (fault_state(p->faults.active) != STATE_ARMED) {
+		decide(p, &p->scene, NULL);
+	}
+}
+
+static void on_result(struct pipeline *p)
+{
+	collect(p);
+	if (!p->running && p->waiting) {
+		estimator_scene(p->est, p->now_ns, &p->scene);
+		evaluate(p);
+	}
+	if (p->running && p->now_ns >= p->cut_ns) {
+		mc_cut(p->o.mc, p->cycle.id);
+		p->cut_ns = CLOCK_NEVER;
+	}
+}
+
+/* ---- period ------------------------------------------------------------------------------------ */
+
+static void start(struct pipeline *p)
+{
+	p->started = 1;
+	p->tick_ns = p->now_ns;
+	for (int i = 0; i < PUBLISH_MSGS; i++) {
+		p->due_ns[i] = p->now_ns;
+	}
+}
+
+/* What was queued while the loop stood still looks fresh and is not. */
+static void on_stall(struct pipeline *p)
+{
+	p->once |= FAULT_BIT(CLOCK_STEP);
+	estimator_distrust(p->est);
+	if (p->o.bus->ops->drain) {
+		p->o.bus->ops->drain(p->o.bus);
+	}
+}
+
+static void send_if_due(struct pipeline *p, enum publish_msg which)
+{
+	int64_t cycle_ns = contract_message[which].cycle_ms * CLOCK_NS_PER_MS;
+
+	if (p->now_ns < p->due_ns[which]) {
+		return;
+	}
+	pipeline_send(p, which);
+	while (p->due_ns[which] <= p->now_ns) {
+		p->due_ns[which] += cycle_ns;
+	}
+}
+
+static void on_tick(struct pipeline *p)
+{
+	int64_t late_ns = p->now_ns - p->tick_ns, absent = late_ns / p->period_ns;
+	struct decision dec = p->in.dec;
+
+	p->stats.period_miss += (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
+	p->tick_ns += (absent + 1) * p->period_ns;
+	estimator_scene(p->est, p->now_ns, &p->scene);
+	pipeline_faults(p);
+	dec.changed = 0;
+	if (!pipeline_trusted(p)) {
+		dec = decision_step(p->o.cfg, NULL, &p->scene, p->faults.active, p->now_ns,
+				    &p->dec);
+		p->in.have_scan = p->in.have_result = 0;
+		p->in.scene = p->scene;
+	}
+	pipeline_state(p, dec);
+	pipeline_send(p, PUBLISH_REQUEST);
+	send_if_due(p, PUBLISH_STATUS);
+	send_if_due(p, PUBLISH_TIMING);
+}
+
+static int64_t deadline(const struct pipeline *p)
+{
+	int64_t until_ns = earlier(p->tick_ns, estimator_deadline(p->est));
+
+	if (p->running) {
+		until_ns = earlier(until_ns, p->cut_ns);
+		until_ns = p->watched ? until_ns : earlier(until_ns, p->now_ns + POLL_NS);
+	}
+	return until_ns;
+}
+
+int pipeline_step(struct pipeline *p)
+{
+	struct bus_frame f[FRAMES_MAX];
+	int n = p->o.bus->ops->recv(p->o.bus, f, FRAMES_MAX, deadline(p), &p->now_ns);
+
+	if (n < 0) {
+		return n;
+	}
+	p->stats.frames += (uint64_t)n;
+	if (!p->started) {
+		start(p);
+	} else if (p->now_ns - p->tick_ns > p->period_ns) {
+		on_stall(p);
+		n = 0;
+	}
+	for (int i = 0; i < n; i++) {
+		if (estimator_frame(p->est, &f[i])) {
+			on_scan(p);
+		}
+	}
+	if (estimator_tick(p->est, p->now_ns)) {
+		on_scan(p);
+	}
+	on_result(p);
+	if (p->now_ns >= p->tick_ns) {
+		on_tick(p);
+	}
+	return 0;
+}
+
+/* ---- life -------------------------------------------------------------------------------------- */
+
+static int64_t ms_to_ns(double ms)
+{
+	return (int64_t)(ms * (double)CLOCK_NS_PER_MS);
+}
+
+static void prepare(struct pipeline *p)
+{
+	const struct config *cfg = p->o.cfg;
+	const struct bus_ops *ops = p->o.bus->ops;
+	uint64_t h = config_hash(cfg, p->o.map);
+	int fd = mc_eventfd(p->o.mc);
+
+	p->period_ns = ms_to_ns(cfg->bus_period);
+	p->ttl_ns = ms_to_ns(cfg->bus_result_ttl);
+	p->budget_ns = ms_to_ns(cfg->mc_budget);
+	p->watched = fd >= 0 && ops->watch && ops->watch(p->o.bus, fd) == 0;
+	p->in.state = STATE_INIT;
+	p->in.backend = p->o.backend;
+	p->in.hash = (uint16_t)(h ^ h >> 16 ^ h >> 32 ^ h >> 48 ^ contract_hash());
+	p->in.input_age_ns = p->in.mc_ns = p->in.decision_ns = p->in.total_ns = -1;
+}
+
+int pipeline_open(const struct pipeline_open *o, struct pipeline **ret)
+{
+	struct pipeline *p = calloc(1, sizeof(*p));
+	int err;
+
+	if (!p) {
+		return -ENOMEM;
+	}
+	p->o = *o;
+	err = estimator_open(o->cfg, o->map, &p->est);
+	err = err ? err : publish_open(o->cfg, &p->pub);
+	if (err) {
+		pipeline_close(p);
+		return err;
+	}
+	prepare(p);
+	*ret = p;
+	return 0;
+}
+
+const struct pipeline_stats *pipeline_stats(const struct pipeline *p)
+{
+	return &p->stats;
+}
+
+const struct decision_state *pipeline_decision(const struct pipeline *p)
+{
+	return &p->dec;
+}
+
+const uint64_t *pipeline_rejected(const struct pipeline *p)
+{
+	return estimator_rejected(p->est);
+}
+
+void pipeline_close(struct pipeline *p)
+{
+	if (!p) {
+		return;
+	}
+	estimator_close(p->est);
+	publish_close(p->pub);
+	free(p);
+}

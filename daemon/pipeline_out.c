@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT
+ * What is wrong, what state that makes, and the frames that say so.
+ */
+#include "pipeline_priv.h"
+#include "clock.h"
+
+const struct stage_row stage_table[STAGES] = {
+#define STAGE(name, budget_ms, doc) {#name, budget_ms, doc},
+#include "stage.def"
+#undef STAGE
+};
+
+int64_t pipeline_stamp(const struct pipeline *p)
+{
+	return p->o.clock ? p->o.clock() : p->now_ns;
+}
+
+/* ---- faults ------------------------------------------------------------------------------------ */
+
+static uint32_t bus_conditions(struct pipeline *p)
+{
+	static const struct {
+		uint32_t event, fault;
+	} row[] = {
+		{BUS_EV_DOWN, FAULT_BIT(BUS_DOWN)},
+		{BUS_EV_OFF, FAULT_BIT(BUS_OFF)},
+		{BUS_EV_FOREIGN, FAULT_BIT(FOREIGN_ID)},
+		{BUS_EV_STAMP, FAULT_BIT(CLOCK_STEP)},
+	};
+	uint32_t events = p->o.bus->ops->events ? p->o.bus->ops->events(p->o.bus) : 0, faults = 0;
+
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		faults |= events & row[i].event ? row[i].fault : 0;
+	}
+	return faults;
+}
+
+/* Before the first scan nothing is stale: it has not come yet. */
+static uint32_t input_conditions(const struct pipeline *p)
+{
+	const uint32_t stale = FAULT_BIT(EGO_STALE) | FAULT_BIT(RADAR_STALE);
+
+	if (!p->stats.scans) {
+		return (p->scene.fault & ~stale) | FAULT_BIT(STARTING);
+	}
+	return p->scene.fault |
+	       (p->now_ns - p->scene.scan_ns > p->ttl_ns ? FAULT_BIT(RADAR_STALE) : 0);
+}
+
+void pipeline_faults(struct pipeline *p)
+{
+	uint32_t raised = p->lasting | p->once | bus_conditions(p) | input_conditions(p);
+
+	if (p->running && p->now_ns >= p->stuck_ns) {
+		raised |= FAULT_BIT(MC_STUCK);
+	}
+	p->once = 0;
+	fault_update(&p->faults, raised, p->now_ns);
+}
+
+int pipeline_trusted(const struct pipeline *p)
+{
+	return fault_state(p->faults.active) <= STATE_DEGRADED;
+}
+
+/* ---- out --------------------------------------------------------------------------------------- */
+
+static uint64_t stage_misses(const struct cycle *c)
+{
+	int64_t from_ns = c->t_ns[STAGE_INPUT];
+	uint64_t n = 0;
+
+	for (int i = 0; i < STAGES; i++) {
+		if (stage_table[i].budget_ms && c->t_ns[i]) {
+			n += c->t_ns[i] - from_ns > stage_table[i].budget_ms * CLOCK_NS_PER_MS;
+			from_ns = c->t_ns[i];
+		}
+	}
+	return n;
+}
+
+/* The first request frame after a decision carries it: with it the evaluation is complete. */
+static void complete(struct pipeline *p)
+{
+	const int64_t *t = p->cycle.t_ns;
+
+	p->cycle.t_ns[STAGE_SEND] = pipeline_stamp(p);
+	p->stats.stage_miss += stage_misses(&p->cycle);
+	p->in.input_age_ns = t[STAGE_SCAN] - t[STAGE_INPUT];
+	if (p->o.clock) {
+		p->in.mc_ns = t[STAGE_RESULT] - t[STAGE_SUBMIT];
+		p->in.decision_ns = t[STAGE_SEND] - t[STAGE_RESULT];
+		p->in.total_ns = t[STAGE_SEND] - t[STAGE_INPUT];
+	}
+}
+
+void pipeline_send(struct pipeline *p, enum publish_msg which)
+{
+	struct bus_frame *f = &p->cycle.out[which];
+
+	p->in.skipped = p->stats.skipped;
+	p->in.late = p->stats.late;
+	p->in.stage_miss = p->stats.stage_miss;
+	p->in.period_miss = p->stats.period_miss;
+	publish_pack(p->pub, which, &p->in, p->now_ns, f);
+	if (p->o.bus->ops->send(p->o.bus, f)) {
+		p->once |= FAULT_BIT(TX_REFUSED);
+	} else {
+		p->stats.sent++;
+	}
+	if (which == PUBLISH_REQUEST && p->cycle.t_ns[STAGE_DECIDE] && !p->cycle.t_ns[STAGE_SEND]) {
+		complete(p);
+	}
+}
+
+int pipeline_state(struct pipeline *p, struct decision dec)
+{
+	enum state state = fault_state(p->faults.active), was = p->in.state;
+
+	if (state == STATE_ARMED && dec.level >= LEVEL_PARTIAL) {
+		state = STATE_BRAKE;
+	}
+	p->in.dec = dec;
+	p->in.state = state;
+	p->in.fault = p->faults.active;
+	if (!dec.changed && state == was) {
+		return 0;
+	}
+	if (p->o.on_change) {
+		p->o.on_change(p->o.arg, p->now_ns, &p->in);
+	}
+	return 1;
+}

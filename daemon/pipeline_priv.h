@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT
+ * What the pipeline's files share: its state, and what goes out. pipeline.c decides when, pipeline_out.c says what.
+ */
+#ifndef AEBMC_PIPELINE_PRIV_H
+#define AEBMC_PIPELINE_PRIV_H
+
+#include "estimator.h"
+#include "pipeline.h"
+
+struct pipeline {
+	struct pipeline_open o;
+	struct estimator *est;
+	struct publish *pub;
+	int64_t period_ns, ttl_ns, budget_ns;
+	int watched; /* the bus wakes us for a result */
+
+	int64_t now_ns;
+	int started;
+	int64_t tick_ns;              /* next periodic request frame */
+	int64_t due_ns[PUBLISH_MSGS]; /* next of the slower messages */
+
+	struct fault_set faults;
+	uint32_t once;      /* conditions seen since the last update */
+	uint32_t lasting;   /* conditions that stand until taken back */
+	struct scene scene; /* newest */
+
+	struct cycle cycle; /* the last evaluation, or the one under way */
+	uint64_t last_id;
+	int running, waiting;     /* a batch is; a scan is, because a batch was */
+	int64_t cut_ns, stuck_ns; /* when to cut the batch; when to give it up */
+
+	struct decision_state dec;
+	struct publish_in in;
+	struct pipeline_stats stats;
+};
+
+/** pipeline_stamp - now, within a step. */
+int64_t pipeline_stamp(const struct pipeline *p);
+
+/** pipeline_faults - raise and clear reasons by what is known at now_ns. */
+void pipeline_faults(struct pipeline *p);
+
+/** pipeline_trusted - 1 if inputs may be judged by: in other states no batch is run and every figure is "not
+ * available". */
+int pipeline_trusted(const struct pipeline *p);
+
+/** pipeline_state - from faults and decision to what the frames say; 1 if level or state is a new one. */
+int pipeline_state(struct pipeline *p, struct decision dec);
+
+/** pipeline_send - one frame; the first AEB_REQUEST after a decision completes its cycle. */
+void pipeline_send(struct pipeline *p, enum publish_msg which);
+
+#endif

@@ -84,7 +84,7 @@ CUDA_CFLAGS := $(if $(HAVE_CUDA),-isystem $(CUDA_ROOT)/include)
 CUDA_LIBS   := $(if $(HAVE_CUDA),$(CUDA_ROOT)/lib64/libcudart_static.a -ldl -lrt)
 CUDA_SM     := $(sort 87 90 $(if $(HAVE_CUDA),$(shell $(CUDA_ROOT)/bin/__nvcc_device_query 2>/dev/null | tr ',' ' ')))
 NVCC_FLAGS  := -std=c++17 -O3 --fmad=false --ftz=false --prec-div=true --prec-sqrt=true -Ikernels \
-	       -Xcompiler -Wall,-Wextra,-ffp-contract=off,-fno-exceptions
+	       -Xcompiler -Wall,-Wextra,-ffp-contract=off,-fno-exceptions,-fno-threadsafe-statics
 $(O)/kernels/mc_cuda.cu.o: kernels/mc_cuda.cu tools/ptxas-report $(O)/flags
 	$(call say,NVCC,$@)
 	$(Q)mkdir -p $(@D) && $(NVCC) $(NVCC_FLAGS) $(foreach m,$(CUDA_SM),-gencode arch=compute_$m,code=sm_$m) -Xptxas -v \

@@ -93,7 +93,7 @@ static const struct {
 
 static void read_statement(struct loader *ld)
 {
-	const char *word = lex_word(&ld->lx, "statement");
+	const char *word = lex_word(&ld->lx, "DBC statement");
 	for (size_t i = 0; i < sizeof(statements) / sizeof(statements[0]); i++) {
 		if (!strcmp(word, statements[i].word)) {
 			statements[i].read(ld, statements[i].word);

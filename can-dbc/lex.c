@@ -149,8 +149,9 @@ uint64_t lex_uint(struct lex *lx, uint64_t max, const char *what)
 		v = v * 10 + digit;
 	}
 	if (over || v > max) {
-		lex_fail(lx, -EINVAL, "%s: %.24s is above %llu", what, from,
-			 (unsigned long long)max);
+		int digits = (int)strspn(from, "0123456789");
+		lex_fail(lx, -EINVAL, "%s: %.*s is above %llu", what, digits < 24 ? digits : 24,
+			 from, (unsigned long long)max);
 		return 0;
 	}
 	return v;

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: MIT
+ * Every allocation of the loader fails in turn, and every read: the error is reported, nothing leaks (AddressSanitizer).
+ * The loader is compiled into this program with its calls replaced.
+ */
+#include <errno.h>
+#include <limits.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <cmocka.h>
+
+static unsigned calls_left; /* allocations that still succeed */
+static int read_mode;       /* 0: as it is; 1: one byte at a time; 2: ends early; 3: fails */
+
+static int refuse_call(void)
+{
+	return calls_left ? (calls_left--, 0) : 1;
+}
+
+static void *scarce_malloc(size_t size)
+{
+	return refuse_call() ? NULL : malloc(size);
+}
+
+static void *scarce_calloc(size_t n, size_t size)
+{
+	return refuse_call() ? NULL : calloc(n, size);
+}
+
+static void *scarce_realloc(void *p, size_t size)
+{
+	return refuse_call() ? NULL : realloc(p, size);
+}
+
+static ssize_t odd_read(int fd, void *to, size_t size)
+{
+	switch (read_mode) {
+	case 1:
+		return read(fd, to, size < 1 ? size : 1);
+	case 2:
+		return 0;
+	case 3:
+		errno = EIO;
+		return -1;
+	default:
+		return read(fd, to, size);
+	}
+}
+
+#define malloc  scarce_malloc
+#define calloc  scarce_calloc
+#define realloc scarce_realloc
+#define read    odd_read
+#include "../can-dbc/dbc_load.c"
+#include "../can-dbc/loader_frames.c"
+#include "../can-dbc/loader_values.c"
+#include "../can-dbc/loader_attrs.c"
+#undef malloc
+#undef calloc
+#undef realloc
+#undef read
+
+#define FILE_DBC "can-dbc/aebmc.dbc"
+
+static int load(char err[256])
+{
+	struct dbc *dbc = NULL;
+	int rc = dbc_load(FILE_DBC, &dbc, err, 256);
+	assert_int_equal(rc == 0, dbc != NULL);
+	dbc_free(dbc);
+	return rc;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+	(void)state;
+	read_mode = 0;
+	unsigned n = 0;
+	for (int rc = -ENOMEM; rc; n++) {
+		char err[256] = "";
+		calls_left = n;
+		rc = load(err);
+		assert_true(rc == 0 || rc == -ENOMEM);
+		assert_int_equal(rc != 0, strstr(err, FILE_DBC ":") == err);
+	}
+	assert_true(
+		n >
+		50); /* text, names, two arrays of messages, each message's signals, each signal's values */
+}
+
+static void reads_may_be_odd(void **state)
+{
+	(void)state;
+	static const struct {
+		int rc;
+		const char *err;
+	} want[] = {
+		{0, ""},
+		{0, ""},
+		{-EINVAL, FILE_DBC ": no message (BO_) in it: is this a DBC file?"},
+		{-EIO, FILE_DBC ": Input/output error"},
+	};
+	for (read_mode = 0; read_mode < 4; read_mode++) {
+		char err[256] = "";
+		calls_left = UINT_MAX;
+		assert_int_equal(load(err), want[read_mode].rc);
+		assert_string_equal(err, want[read_mode].err);
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(every_allocation_may_fail),
+		cmocka_unit_test(reads_may_be_odd),
+	};
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

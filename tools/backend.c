@@ -5,15 +5,16 @@
 #include <errno.h>
 #include <string.h>
 #include "cli.h"
+#include "lanes.h"
 
 struct backend_row {
 	const char *name;
-	const struct mc_ops *ops; /* NULL: not part of this binary */
+	const struct mc_ops *ops;
 };
 
 static const struct backend_row backend_table[] = {
 	{"cpu", &mc_cpu_ops},
-	{"cuda", NULL},
+	{"cuda", &mc_cuda_ops},
 };
 #define BACKENDS (sizeof(backend_table) / sizeof(backend_table[0]))
 
@@ -107,6 +108,35 @@ static const struct backend_row *find(const char *name)
 	return NULL;
 }
 
+/* A variant that this binary has but this processor lacks is no mistake of the user's. */
+static int check_variant(const char *name, const char *variant)
+{
+	if (!variant || lanes_pick(variant)) {
+		return 0;
+	}
+	for (unsigned int i = 0; lanes_name(i); i++) {
+		if (!strcmp(variant, lanes_name(i))) {
+			return cli_error(CLI_SKIPPED, name, "this processor lacks %s", variant);
+		}
+	}
+	return cli_error(CLI_USAGE, name, "--variant: '%s' is not built; the best is %s", variant,
+			 lanes_pick(NULL)->name);
+}
+
+static int refused(const char *name, const char *backend, int error)
+{
+	switch (error) {
+	case -ENOTSUP:
+		return cli_error(CLI_SKIPPED, name, "backend %s is not built into this binary",
+				 backend);
+	case -ENODEV:
+		return cli_error(CLI_SKIPPED, name, "backend %s finds no device", backend);
+	default:
+		return cli_error(CLI_FAILED, name, "cannot open backend %s: %s", backend,
+				 strerror(-error));
+	}
+}
+
 int backend_open(const char *name, const struct backend_args *a, const struct mc_ops **ops,
 		 struct mc_backend **ret)
 {
@@ -116,24 +146,15 @@ int backend_open(const char *name, const struct backend_args *a, const struct mc
 		return cli_error(CLI_USAGE, name, "--backend: '%s' is not known; cpu or cuda",
 				 a->backend);
 	}
-	if (!row->ops) {
-		return cli_error(CLI_SKIPPED, name, "backend %s is not built into this binary",
-				 row->name);
+	int code = check_variant(name, a->params.variant);
+
+	if (code) {
+		return code;
 	}
 	int error = row->ops->open(&a->params, ret);
 
-	if (error == -ENOTSUP) {
-		return cli_error(CLI_SKIPPED, name, "this processor lacks variant %s",
-				 a->params.variant);
-	}
-	if (error) {
-		return cli_error(error == -EINVAL && a->params.variant ? CLI_USAGE : CLI_FAILED,
-				 name, "cannot open backend %s%s%s: %s", row->name,
-				 a->params.variant ? ", variant " : "",
-				 a->params.variant ? a->params.variant : "", strerror(-error));
-	}
 	*ops = row->ops;
-	return 0;
+	return error ? refused(name, row->name, error) : 0;
 }
 
 void backend_json(struct json *j, const struct backend_args *a, const char *variant)

@@ -24,8 +24,8 @@ struct backend_args backend_defaults(void);
 /**
  * backend_open - open what was asked for
  * @name: "aebmc SUB", for messages
- * Returns 0, or an exit code after one line: CLI_SKIPPED if the backend is not part of this binary or the processor
- * lacks the variant, CLI_USAGE for an unknown name, CLI_FAILED otherwise.
+ * Returns 0, or an exit code after one line: CLI_SKIPPED if the backend is not part of this binary or finds no device,
+ * or the processor lacks the variant; CLI_USAGE for an unknown name; CLI_FAILED otherwise.
  */
 int backend_open(const char *name, const struct backend_args *a, const struct mc_ops **ops,
 		 struct mc_backend **ret);

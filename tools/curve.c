@@ -11,9 +11,10 @@
 #include "stats.h"
 #include "timed_run.h"
 
-#define ROWS_TEXT 30  /* most rows of the table */
-#define ROWS_DATA 400 /* and of CSV and JSON */
-#define BAR       30  /* characters of a full bar */
+#define ROWS_TEXT 30                                        /* most rows of the table */
+#define ROWS_DATA 400                                       /* and of CSV and JSON */
+#define BAR       30                                        /* characters of a full bar */
+#define ZERO      ((int)(MC_HIST_NEED_OFF / MC_HIST_BIN_M)) /* bin of headway 0 */
 #define RESIDENT  65536
 
 struct args {
@@ -112,7 +113,7 @@ static void span(const struct curve *c, int *first, int *last)
 	while (i < MC_HIST_BINS - 1 && (below + c->need[i]) * 1000 < c->res.n) {
 		below += c->need[i++];
 	}
-	*first = i > MC_HIST_NEED_OFF / MC_HIST_BIN_M ? i : (int)(MC_HIST_NEED_OFF / MC_HIST_BIN_M);
+	*first = i > ZERO ? i : ZERO;
 	for (i = MC_HIST_BINS - 1; i > *first && !c->need[i - 1];) {
 		i--;
 	}
@@ -139,7 +140,8 @@ static void each_row(const struct curve *c, int rows, void (*emit)(void *arg, co
 	span(c, &first, &last);
 	int step = step_for(last - first, rows);
 
-	for (int bin = first / step * step; bin < last + step && bin < MC_HIST_BINS; bin += step) {
+	first = ZERO + (first - ZERO) / step * step; /* round headways */
+	for (int bin = first; bin < last + step && bin < MC_HIST_BINS; bin += step) {
 		struct row r = row_at(c, bin);
 
 		emit(arg, &r);

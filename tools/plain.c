@@ -5,7 +5,7 @@
 #include <math.h>
 
 struct car {
-	double cmd_mps2, bound_mps2, tau_s, drag_per_m, slope_mps2;
+	double cmd_mps2, bound_mps2, rate_per_s, drag_per_m, slope_mps2;
 };
 
 static struct car car_of(const struct model_vehicle *v, double cmd_mps2, const float *in,
@@ -18,7 +18,7 @@ static struct car car_of(const struct model_vehicle *v, double cmd_mps2, const f
 	return (struct car){
 		.cmd_mps2 = cmd_mps2,
 		.bound_mps2 = v->bound == MODEL_BOUND_PAPER ? -mu * g / (1 + mu * h_l) : -mu * g,
-		.tau_s = (double)in[MODEL_TAU * stride],
+		.rate_per_s = 1 / (double)in[MODEL_TAU * stride],
 		.drag_per_m = 0.5 * area * (double)in[MODEL_DRAG * stride] /
 			      (double)in[MODEL_MASS * stride],
 		.slope_mps2 = g * sin((double)in[MODEL_GRADE * stride]),
@@ -28,12 +28,12 @@ static struct car car_of(const struct model_vehicle *v, double cmd_mps2, const f
 /* eq. 4 with eq. 5, and eq. 6 */
 static inline double dv(const struct car *c, double v, double a)
 {
-	return (a > c->bound_mps2 ? a : c->bound_mps2) - c->slope_mps2 - c->drag_per_m * v * v;
+	return (a > c->bound_mps2 ? a : c->bound_mps2) - c->drag_per_m * v * v - c->slope_mps2;
 }
 
 static inline double da(const struct car *c, double a)
 {
-	return (c->cmd_mps2 - a) / c->tau_s;
+	return (c->cmd_mps2 - a) * c->rate_per_s;
 }
 
 struct motion {
@@ -56,28 +56,55 @@ static inline struct motion step(const struct car *c, struct motion s, double dt
 	return s;
 }
 
+/* Where the lead is and how fast, @t after the start. */
+static inline struct motion lead_at(const float *in, uint32_t stride, double stop_s, double t)
+{
+	double v = (double)in[MODEL_LEAD_SPEED * stride], a = (double)in[MODEL_LEAD_ACCEL * stride];
+	double moving_s = t < stop_s ? t : stop_s;
+
+	return (struct motion){moving_s * (v + 0.5 * a * moving_s), t < stop_s ? v + a * t : 0, a};
+}
+
+static double lead_stop_s(const float *in, uint32_t stride)
+{
+	double a = (double)in[MODEL_LEAD_ACCEL * stride];
+
+	return a < 0 ? (double)in[MODEL_LEAD_SPEED * stride] / -a : 1e6;
+}
+
+/* The last step is cut where v crosses 0. */
+static double stop_in_step(struct motion last, struct motion s, double dt)
+{
+	double share = s.v_mps > 0 ? 1 : last.v_mps / (last.v_mps - s.v_mps);
+
+	return s.v_mps > 0 ? s.x_m : last.x_m + 0.5 * last.v_mps * share * dt;
+}
+
 void plain_rollout(const struct model_vehicle *veh, float accel_cmd_mps2, double horizon_s,
 		   const float *in, uint32_t stride, double dt_s, struct model_out *out)
 {
 	const struct car c = car_of(veh, (double)accel_cmd_mps2, in, stride);
 	const double headway_m = (double)in[MODEL_HEADWAY * stride];
+	const double stop_s = lead_stop_s(in, stride);
 	const int steps = (int)(horizon_s / dt_s + 0.5);
-	struct motion s = {0, (double)in[MODEL_EGO_SPEED * stride], 0}, last = s;
-	double impact_mps = 0;
+	struct motion s = {0, (double)in[MODEL_EGO_SPEED * stride], 0};
+	double nearest_m = 0, impact_mps = 0;
 
-	for (int i = 0; i < steps && s.v_mps > 0; i++) {
-		last = s;
+	for (int i = 1; i <= steps && s.v_mps > 0; i++) {
+		const struct motion last = s, lead = lead_at(in, stride, stop_s, i * dt_s);
+
 		s = step(&c, s, dt_s);
-		if (s.x_m >= headway_m && impact_mps == 0) {
-			impact_mps = s.v_mps;
-		}
-	}
-	if (s.v_mps <= 0) {
-		double share = last.v_mps / (last.v_mps - s.v_mps);
+		s.x_m = stop_in_step(last, s, dt_s);
+		double rel_m = lead.x_m - s.x_m;
 
-		s.x_m = last.x_m + 0.5 * last.v_mps * share * dt_s;
+		if (headway_m + nearest_m > 0 && headway_m + rel_m <= 0) {
+			impact_mps = s.v_mps - lead.v_mps;
+		}
+		nearest_m = rel_m < nearest_m ? rel_m : nearest_m;
 	}
-	out->stop_m = out->need_m = (float)s.x_m;
+	out->stop_m = (float)s.x_m;
+	out->need_m = (float)-nearest_m;
 	out->impact_mps = (float)impact_mps;
-	out->flags = (headway_m <= s.x_m ? MODEL_CONTACT : 0) | (s.v_mps > 0 ? MODEL_ROLLING : 0);
+	out->flags = (headway_m + nearest_m <= 0 ? MODEL_CONTACT : 0) |
+		     (s.v_mps > 0 ? MODEL_ROLLING : 0);
 }

@@ -13,6 +13,7 @@
 
 /* ---- arguments --------------------------------------------------------------------------------- */
 
+enum { BACKEND_CUDA = 2 }; /* of mc.backend in config.def */
 enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON };
 
 static const struct argp_option options[] = {
@@ -112,6 +113,11 @@ static int open_mc(struct replay *r)
 		.threads = (uint32_t)(r->args->threads ? r->args->threads : r->cfg.mc_threads),
 	};
 
+	if (r->cfg.mc_backend == BACKEND_CUDA) {
+		return cli_error(
+			CLI_CONFIG, r->name,
+			"mc.backend = cuda: a replay runs on the CPU, with the same results");
+	}
 	for (int i = 0; i < MODEL_INPUTS; i++) {
 		p.truncate[i] = (float)r->cfg.mc_truncate;
 	}

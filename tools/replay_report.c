@@ -90,6 +90,15 @@ static double realtime_factor(const struct replay *r)
 	return r->wall_ns > 0 ? (double)(r->bus.last_ns - r->bus.first_ns) / (double)r->wall_ns : 0;
 }
 
+/* Without a single hit only a bound is known: below 3/N. NaN without an evaluation. */
+static double risk_max(const struct replay *r)
+{
+	const struct pipeline_stats *s = pipeline_stats(r->pipe);
+	double bound = s->evaluations ? 3 / (double)r->cfg.mc_samples : NAN;
+
+	return s->risk_max > 0 ? s->risk_max : bound;
+}
+
 static void json_rejected(struct json *j, const struct replay *r)
 {
 	const uint64_t *rejected = pipeline_rejected(r->pipe);
@@ -125,7 +134,8 @@ static void json_counts(struct json *j, const struct replay *r)
 	json_uint(j, "warn", entered[LEVEL_WARN]);
 	json_uint(j, "partial", entered[LEVEL_PARTIAL]);
 	json_uint(j, "full", entered[LEVEL_FULL]);
-	json_num(j, "risk_max", s->risk_max);
+	json_num(j, "risk_max", risk_max(r));
+	json_bool(j, "risk_max_is_bound", s->evaluations > 0 && s->risk_max == 0);
 }
 
 static void json_figures(struct json *j, const struct replay *r)
@@ -174,11 +184,11 @@ static void print_summary(const struct replay *r)
 		"%s%.1f s of driving, %" PRIu64 " frames, %" PRIu64
 		" evaluations of %lld samples; %.1f times real time\n"
 		"warnings %" PRIu64 ", partial requests %" PRIu64 ", full requests %" PRIu64
-		"; largest risk of waiting one period %.3g %%\n",
+		"; largest risk of waiting one period %s%.3g %%\n",
 		cli_interrupted() ? "Interrupted: " : "", replay_time_s(r, r->bus.last_ns),
 		s->frames, s->evaluations, (long long)r->cfg.mc_samples, realtime_factor(r),
 		entered[LEVEL_WARN], entered[LEVEL_PARTIAL], entered[LEVEL_FULL],
-		s->risk_max * 100);
+		s->risk_max > 0 ? "" : "below ", risk_max(r) * 100);
 	print_refused(r);
 }
 

@@ -42,11 +42,12 @@ static const struct argp_option options[] = {
 	{"lead-accel", KEY_MEAN + MODEL_LEAD_ACCEL, "M/S2", 0,
 	 "lead acceleration, down to standstill (0)", 2},
 	{"headway-sigma", KEY_SIGMA + MODEL_HEADWAY, "M", 0,
-	 "standard deviations of these (0, speed 2)", 3},
-	{"speed-sigma", KEY_SIGMA + MODEL_EGO_SPEED, "M/S", 0, NULL, 3},
-	{"accel-sigma", KEY_SIGMA + MODEL_EGO_ACCEL, "M/S2", 0, NULL, 3},
-	{"lead-speed-sigma", KEY_SIGMA + MODEL_LEAD_SPEED, "M/S", 0, NULL, 3},
-	{"lead-accel-sigma", KEY_SIGMA + MODEL_LEAD_ACCEL, "M/S2", 0, NULL, 3},
+	 "standard deviation of the headway (0)", 3},
+	{"speed-sigma", KEY_SIGMA + MODEL_EGO_SPEED, "M/S", 0, "of the speed (2)", 3},
+	{"accel-sigma", KEY_SIGMA + MODEL_EGO_ACCEL, "M/S2", 0, "of the acceleration (0)", 3},
+	{"lead-speed-sigma", KEY_SIGMA + MODEL_LEAD_SPEED, "M/S", 0, "of the lead speed (0)", 3},
+	{"lead-accel-sigma", KEY_SIGMA + MODEL_LEAD_ACCEL, "M/S2", 0,
+	 "of the lead acceleration (0)", 3},
 	{0},
 };
 static const struct argp_child children[] = {{&setup_argp, 0, NULL, 0}, {0}};

@@ -35,16 +35,12 @@ static uint32_t bus_conditions(struct pipeline *p)
 	return faults;
 }
 
-/* Before the first scan nothing is stale: it has not come yet. */
+/* A scan older than its result may be is stale, however patient the inputs' own limits are. */
 static uint32_t input_conditions(const struct pipeline *p)
 {
-	const uint32_t stale = FAULT_BIT(EGO_STALE) | FAULT_BIT(RADAR_STALE);
+	int old = p->stats.scans && p->now_ns - p->scene.scan_ns > p->ttl_ns;
 
-	if (!p->stats.scans) {
-		return (p->scene.fault & ~stale) | FAULT_BIT(STARTING);
-	}
-	return p->scene.fault |
-	       (p->now_ns - p->scene.scan_ns > p->ttl_ns ? FAULT_BIT(RADAR_STALE) : 0);
+	return p->scene.fault | (old ? FAULT_BIT(RADAR_STALE) : 0);
 }
 
 void pipeline_faults(struct pipeline *p)

@@ -183,6 +183,7 @@ void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s)
 	s->t_ns = now_ns;
 	s->scan = w.scans;
 	s->scan_ns = w.scan_ns;
+	s->fault |= w.scans ? 0 : FAULT_BIT(STARTING);
 }
 
 const uint64_t *estimator_rejected(const struct estimator *e)
@@ -424,7 +425,6 @@ static void test_init_frames_come_first(void **arg)
 {
 	(void)arg;
 	begin(&log_ops, 0, NULL);
-	w.scene.fault = FAULT_BIT(EGO_STALE) | FAULT_BIT(RADAR_STALE); /* nothing came yet */
 	assert_int_equal(pipeline_step(w.p), 0);
 	assert_int_equal(w.out[0].t_ns, T0);
 	assert_int_equal(w.out[0].id, 0x2A0);
@@ -439,7 +439,6 @@ static void test_init_frames_come_first(void **arg)
 	assert_false(has_risk());
 	assert_int_equal(w.changes, 0);
 	assert_int_equal(count(PUBLISH_RISK), 0);
-	w.scene.fault = 0;
 	w.next_scan_ns = w.now_ns + 5 * MS;
 	w.radar = 1;
 	run_to(w.next_scan_ns);

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT
+ * Made-up drives: an ego car and others on a straight road, stepped by 1 ms, seen by a radar with noise, latency and
+ * dropouts, and written as the frames of a mapping. What happens is a row of a table. Same seed, same frames, on any machine.
+ */
+#ifndef AEBMC_DRIVE_H
+#define AEBMC_DRIVE_H
+
+#include <stdint.h>
+#include "config.h"
+#include "encode.h"
+#include "mapping.h"
+
+#define DRIVE_TARGETS_MAX 2
+#define DRIVE_PHASES_MAX  5
+
+/* From @start_s on the car seeks this acceleration, its jerk limited; it never drives backwards. */
+struct drive_phase {
+	double start_s, accel_mps2;
+};
+
+struct drive_path {
+	double speed_mps;                           /* at the start */
+	struct drive_phase phase[DRIVE_PHASES_MAX]; /* in order; ends at start_s 0 */
+};
+
+/* Another car: where it starts, how it drives, and when it changes from one lateral offset to another. */
+struct drive_target {
+	double gap_m; /* ego front to its rear, at the start */
+	struct drive_path path;
+	double lateral_m, to_lateral_m; /* left positive */
+	double change_s, changed_s;     /* begin and end of the change; both 0: none */
+};
+
+struct drive {
+	const char *name, *doc;
+	double end_s; /* or at contact, if that is sooner */
+	struct drive_path ego;
+	int n;
+	struct drive_target target[DRIVE_TARGETS_MAX];
+};
+
+/* All drives, ended by a row without a name. */
+extern const struct drive drive_table[];
+
+/* The truth at one moment. */
+struct drive_car {
+	double speed_mps, accel_mps2;
+	double gap_m, lateral_m; /* of others: ego front to rear, left positive */
+};
+
+struct drive_truth {
+	double t_s; /* since the start of the drive */
+	struct drive_car ego, target[DRIVE_TARGETS_MAX];
+};
+
+/** drive_find - by name, or NULL. */
+const struct drive *drive_find(const char *name);
+
+/** drive_step - one millisecond on: every car follows its path. Pure. */
+void drive_step(const struct drive *d, struct drive_truth *w);
+
+struct drive_options {
+	uint64_t seed;
+	double dropout; /* probability that a scan misses a target, 0..1 */
+	/* Called for every frame in order of time. @now: the truth at the frame's stamp, not as the radar saw it. A nonzero
+	 * return ends the drive. */
+	int (*emit)(void *arg, const struct bus_frame *f, const struct drive_truth *now);
+	void *arg;
+};
+
+/**
+ * drive_run - the frames of a drive, from DRIVE_START_NS on
+ * @cfg: noise (range_sigma, rate_sigma, ego_sigma), latency and scan period of the sensors
+ * @map: frames, periods and protection. Of several targets a radar with one slot reports the nearest within @cfg's
+ * corridor; one with more slots reports all and moves them between slots.
+ * Returns 0, or what @emit returned. No allocation.
+ */
+int drive_run(const struct drive *d, const struct config *cfg, const struct mapping *map,
+	      const struct drive_options *o);
+
+#define DRIVE_START_NS 100000000000LL
+
+/* Reproducible noise: the @n'th number of a seed. */
+struct drive_noise {
+	uint64_t seed, n;
+};
+
+/** drive_uniform, drive_normal - in [0, 1); standard normal. */
+double drive_uniform(struct drive_noise *r);
+double drive_normal(struct drive_noise *r);
+
+#endif

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: MIT
+ * Quantities in SI to frames.
+ */
+#include <string.h>
+#include "codec.h"
+#include "encode.h"
+
+#define FAR_M 1e9 /* beyond the end of any signal */
+
+void encode_open(struct encode *e, const struct mapping *map)
+{
+	*e = (struct encode){.map = map};
+}
+
+static double clamp(double x, double lo, double hi)
+{
+	x = x < hi ? x : hi;
+	return x > lo ? x : lo;
+}
+
+static void set_clamped(const struct dbc_signal *s, uint8_t *data, double phys)
+{
+	const uint64_t top = codec_mask(s);
+	double lo = s->min, hi = s->max;
+
+	if (lo == 0 && hi == 0) {
+		lo = codec_phys(s, s->is_signed ? top / 2 + 1 : 0);
+		hi = codec_phys(s, s->is_signed ? top / 2 : top);
+	}
+	codec_set_phys(s, data, lo < hi ? clamp(phys, lo, hi) : clamp(phys, hi, lo));
+}
+
+static void set_value(const struct map_signal *m, uint8_t *data, double si)
+{
+	if (m->sig) {
+		set_clamped(m->sig, data, (si - m->offset) / m->gain);
+	}
+}
+
+static void set_absent(const struct map_signal *m, uint8_t *data)
+{
+	if (m->sig && m->has_na) {
+		codec_set_raw(m->sig, data, m->na_raw);
+	}
+}
+
+static void set_target(const struct map_track *t, uint8_t *data, const struct detection *det)
+{
+	set_value(&t->valid, data, 1);
+	set_value(&t->distance, data, det->distance_m);
+	set_value(&t->rel_speed, data, det->rate_mps);
+	set_value(&t->lateral, data, det->lateral_m);
+	set_value(&t->existence, data, det->existence);
+	set_value(&t->fresh, data, det->fresh);
+}
+
+static void set_empty(const struct map_track *t, uint8_t *data)
+{
+	set_value(&t->valid, data, 0);
+	set_value(&t->fresh, data, 0);
+	set_value(&t->distance, data, FAR_M);
+	set_absent(&t->distance, data);
+	set_absent(&t->rel_speed, data);
+	set_absent(&t->lateral, data);
+	set_absent(&t->existence, data);
+}
+
+/* What nobody fills in is not available, where the database can say so. */
+static void set_unknown(const struct dbc_message *msg, uint8_t *data)
+{
+	for (uint32_t i = 0; i < msg->n_signals; i++) {
+		uint64_t raw;
+
+		if (dbc_value_raw(&msg->signals[i], "not available", &raw) == 0) {
+			codec_set_raw(&msg->signals[i], data, raw);
+		}
+	}
+}
+
+static void set_role(const struct map_role_signals *r, int message, uint8_t *data, double si)
+{
+	for (int i = 0; i < r->n; i++) {
+		if (r->message[i] == message) {
+			set_value(&r->signal[i], data, si);
+		}
+	}
+}
+
+void encode_message(struct encode *e, int message, uint32_t roles, const double value[MAP_ROLES],
+		    const struct detection *det, int64_t t_ns, struct bus_frame *f)
+{
+	const struct map_message *m = &e->map->message[message];
+	const struct e2e_config check = {m->check, m->msg, m->counter};
+
+	*f = (struct bus_frame){
+		.t_ns = t_ns,
+		.id = m->msg->id,
+		.iface = m->iface,
+		.len = m->msg->size,
+		.flags = m->msg->is_fd ? BUS_FD : 0,
+	};
+	set_unknown(m->msg, f->data);
+	for (int role = 0; role < MAP_ROLES; role++) {
+		if (roles >> role & 1) {
+			set_role(&e->map->role[role], message, f->data, value[role]);
+		}
+	}
+	if (m->track >= 0 && det) {
+		set_target(&e->map->track[m->track], f->data, det);
+	} else if (m->track >= 0) {
+		set_empty(&e->map->track[m->track], f->data);
+	}
+	e2e_protect(&check, &e->e2e[message], f->data);
+}
+
+/* Profile 2 keeps its counter in the low nibble of byte 1. */
+static uint64_t counter_in(const struct map_message *m, const uint8_t *data)
+{
+	if (m->check == E2E_P2) {
+		return data[1] & 15;
+	}
+	return m->counter ? codec_raw(m->counter, data) : 0;
+}
+
+void encode_track(const struct mapping *map, int message, const struct detection *det,
+		  struct bus_frame *f)
+{
+	const struct map_message *m = &map->message[message];
+	const struct e2e_config check = {m->check, m->msg, m->counter};
+	struct e2e_state st = {.counter = counter_in(m, f->data)};
+
+	if (det) {
+		set_target(&map->track[m->track], f->data, det);
+	} else {
+		set_empty(&map->track[m->track], f->data);
+	}
+	e2e_protect(&check, &st, f->data);
+}

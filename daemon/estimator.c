@@ -272,6 +272,7 @@ static void predict(const struct estimator *e, const struct kalman *from, int64_
 		kalman_update(&k, KALMAN_EGO_SPEED, speed->mps, c->filter_ego_sigma);
 	}
 	kalman_predict(&k, now_ns, c->filter_ego_jerk, c->filter_lead_jerk);
+	tracker_hold_standing(c, &k);
 	for (int i = 0; i < SCENE_DIM; i++) {
 		s->x[i] = k.x[i];
 		for (int j = 0; j < SCENE_DIM; j++) {

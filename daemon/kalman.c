@@ -8,7 +8,6 @@ static const double observe[KALMAN_INPUTS][SCENE_DIM] = {
 	[KALMAN_EGO_SPEED] = {0, 1, 0, 0, 0},
 	[KALMAN_DISTANCE] = {1, 0, 0, 0, 0},
 	[KALMAN_RATE] = {0, -1, 0, 1, 0},
-	[KALMAN_LEAD_ACCEL] = {0, 0, 0, 0, 1},
 };
 
 void kalman_open_ego(struct kalman *k, int64_t t_ns, double speed_mps, double speed_sigma,
@@ -48,6 +47,15 @@ void kalman_open_lead(struct kalman *k, double distance_m, double distance_sigma
 	k->p[SCENE_LEAD_SPEED][SCENE_LEAD_SPEED] =
 		k->p[SCENE_EGO_SPEED][SCENE_EGO_SPEED] + rate_sigma * rate_sigma;
 	k->p[SCENE_LEAD_ACCEL][SCENE_LEAD_ACCEL] = accel_sigma * accel_sigma;
+}
+
+void kalman_set_lead_accel(struct kalman *k, double accel, double sigma)
+{
+	for (int i = 0; i < SCENE_DIM; i++) {
+		k->p[SCENE_LEAD_ACCEL][i] = k->p[i][SCENE_LEAD_ACCEL] = 0;
+	}
+	k->p[SCENE_LEAD_ACCEL][SCENE_LEAD_ACCEL] = sigma * sigma;
+	k->x[SCENE_LEAD_ACCEL] = accel;
 }
 
 /* Both vehicles' positions are in the headway: the lead's with +, the ego's with -. */

@@ -16,10 +16,9 @@ struct kalman {
 
 /* What can be measured. */
 enum kalman_input {
-	KALMAN_EGO_SPEED,  /* [m/s] */
-	KALMAN_DISTANCE,   /* [m] */
-	KALMAN_RATE,       /* lead speed minus ego speed [m/s] */
-	KALMAN_LEAD_ACCEL, /* [m/s2] */
+	KALMAN_EGO_SPEED, /* [m/s] */
+	KALMAN_DISTANCE,  /* [m] */
+	KALMAN_RATE,      /* lead speed minus ego speed [m/s] */
 	KALMAN_INPUTS
 };
 
@@ -37,6 +36,9 @@ void kalman_forget_lead(struct kalman *k);
  */
 void kalman_open_lead(struct kalman *k, double distance_m, double distance_sigma, double rate_mps,
 		      double rate_sigma, double accel_sigma);
+
+/** kalman_set_lead_accel - put it at @accel +- @sigma [m/s2], uncorrelated; the other states keep their values. */
+void kalman_set_lead_accel(struct kalman *k, double accel, double sigma);
 
 /**
  * kalman_predict - to @t_ns; a time that has passed changes nothing

@@ -105,21 +105,20 @@ static void strike_out(struct tracker *t, int n_det, int object, int det)
 	}
 }
 
+void tracker_hold_standing(const struct config *c, struct kalman *k)
+{
+	const double v = k->x[SCENE_LEAD_SPEED], a = k->x[SCENE_LEAD_ACCEL];
+
+	if (v < c->filter_standing_speed && v > -c->filter_standing_speed) {
+		kalman_set_lead_accel(k, v > 0 && a < 0 ? a : 0, c->filter_standing_sigma);
+	}
+}
+
 /* ---- life of an object ---------------------------------------------------------------------- */
 
 static int is_confirmed(const struct tracker *t, const struct tracker_object *o)
 {
 	return o->hits >= (uint32_t)t->cfg->radar_confirm_scans;
-}
-
-/* A standing vehicle stays: without this, noise about 0 would let half of its futures drive away. */
-static void hold_if_standing(const struct config *c, struct kalman *k)
-{
-	const double v = k->x[SCENE_LEAD_SPEED];
-
-	if (v < c->filter_standing_speed && v > -c->filter_standing_speed) {
-		kalman_update(k, KALMAN_LEAD_ACCEL, 0, c->filter_standing_sigma);
-	}
 }
 
 static void follow(const struct tracker *t, struct tracker_object *o, const struct detection *d,
@@ -129,7 +128,7 @@ static void follow(const struct tracker *t, struct tracker_object *o, const stru
 
 	kalman_update(&o->k, KALMAN_DISTANCE, d->distance_m, c->radar_range_sigma);
 	kalman_update(&o->k, KALMAN_RATE, d->rate_mps, c->radar_rate_sigma);
-	hold_if_standing(c, &o->k);
+	tracker_hold_standing(c, &o->k);
 	o->lateral_m += (d->lateral_m - o->lateral_m) * 2 / (double)(c->radar_confirm_scans + 1);
 	o->existence = d->existence;
 	o->seen_ns = seen_ns;

@@ -88,16 +88,17 @@ static int set_message(const struct map_load *l, const struct ini_entry *header,
 	return rc;
 }
 
-/* load_name - one message of a [message NAME] section */
+/* load_name - one message of a [message NAME] section; one that no signal is taken from is only checked */
 static int load_name(struct map_load *l, const struct ini_entry *header, const char *name)
 {
+	struct map_message unused = {.msg = dbc_find(l->map->dbc, name)};
 	int i = mapping_used(l->map, name);
 
+	if (!unused.msg) {
+		return mapping_no_message(l, header, name);
+	}
 	if (i < 0) {
-		return dbc_find(l->map->dbc, name)
-			       ? ini_fail(l->ini, header, "no [signal] is taken from %s; remove it",
-					  name)
-			       : mapping_no_message(l, header, name);
+		return set_message(l, header, &unused);
 	}
 	if (l->is_set[i]) {
 		return ini_fail(l->ini, header, "%s is set twice, first in line %d; keep one", name,

@@ -31,6 +31,7 @@ static inline void conf_dir_write(const char *dir, const char *name, const void 
 	FILE *f;
 
 	snprintf(path, 2 * CONF_DIR_PATH, "%s/%s", dir, name);
+	unlink(path); /* rewriting in place waits for the disk on some file systems */
 	f = fopen(path, "w");
 	assert_non_null(f);
 	assert_int_equal(fwrite(text, 1, len, f), len);

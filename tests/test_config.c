@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * Configuration files: every way to get one wrong and the line that says so; printing, hashing, overriding.
+ * Options: every way to get one wrong and the line that says so; printing, hashing, overriding.
  */
 #include "conf_dir.h"
 
 #include <errno.h>
 #include <math.h>
-#include <sys/stat.h>
 
 #include "config.h"
 #include "config_row.h"
-#include "hash.h"
 #include "ini.h"
-#include "text.h"
 
 #define PATH_MAX_ (2 * CONF_DIR_PATH)
 
@@ -46,28 +43,6 @@ static void refused(const char *text, size_t len, const char *want)
 static const struct {
 	const char *text, *want;
 } bad[] = {
-	/* no configuration file */
-	{"mass = 1\n", ":1: 'mass = 1' stands before any section"},
-	{"[vehicle]\nmass 1\n", ":2: [vehicle]: 'mass 1' has no '='"},
-	{"# x\n\n[vehicle\n", ":3: '[vehicle' has no closing bracket"},
-	{"[vehicle] mass = 1\n", ":1: '[vehicle] mass = 1' has no closing bracket"},
-	{"[]\n", ":1: empty name"},
-	{"[ \t ]\n", ":1: empty name"},
-	{"[vehicle]\n = 3\n", ":2: [vehicle]: empty name"},
-	{"; comment\n", ":1: '; comment' has no '='"},
-	{"[vehicle]\nmass = 1500\nmass = 1500\n", ":3: vehicle.mass: given twice, first in line 2"},
-	{"[road]\n[vehicle]\n[road]\n", ":3: [road]: given twice, first in line 1"},
-	{"[road]\nmu =\x01 1\n", ":2: [road]: byte 0x01 in column 5 is no text"},
-	{"[road]\nmu = 1\x7F\n", ":2: [road]: byte 0x7F in column 7 is no text"},
-	{"[road]\n# \x1B[31m\n", ":2: [road]: byte 0x1B in column 3 is no text"},
-	{"[road]\nmu = 1\r2\n", ":2: [road]: byte 0x0D in column 7 is no text"},
-	{"# 20 \xB0\n", ":1: byte 0xB0 in column 6 is no text; save the file as UTF-8"},
-	{"# \xC3\n", ":1: byte 0xC3 in column 3 is no text"},
-	{"# \xC3(\n", ":1: byte 0xC3 in column 3 is no text"},
-	{"# \xC0\x80\n", ":1: byte 0xC0 in column 3 is no text"},
-	{"# \xE2\x82", ":1: byte 0xE2 in column 3 is no text"},
-	{"# \xF5\x80\x80\x80\n", ":1: byte 0xF5 in column 3 is no text"},
-	{"\xFF\xFE[", ":1: byte 0xFF in column 1 is no text"},
 	/* names */
 	{"[vehicl]\n", ":1: [vehicl]: no such section (nearest: vehicle)"},
 	{"[VEHICLE]\n", ":1: [VEHICLE]: no such section (nearest: vehicle)"},
@@ -144,73 +119,13 @@ static void errors_are_named(void **state)
 	}
 }
 
-static void bytes_that_strings_cannot_hold(void **state)
+static void long_string(void **state)
 {
-	static const char nul[] = "[road]\nmu = 1\0 2\n", early[] = "\0[road]";
+	char text[CONFIG_STR_MAX + 64];
+	int n = snprintf(text, sizeof(text), "[bus]\ninterfaces = %0*d\n", CONFIG_STR_MAX, 0);
 
 	(void)state;
-	refused(nul, sizeof(nul) - 1, ":2: [road]: byte 0x00 in column 7 is no text");
-	refused(early, sizeof(early) - 1, ":1: byte 0x00 in column 1 is no text");
-}
-
-static void long_things(void **state)
-{
-	static char text[1 << 20];
-	struct config c;
-	char err[1024];
-	int n;
-
-	(void)state;
-	memset(text, 'x', sizeof(text));
-	refused(text, sizeof(text), ":1: line longer than 1000 characters");
-	text[0] = '#';
-	text[1000] = '\n';
-	assert_int_equal(load_text(text, 1001, NULL, 0, &c, err), 0);
-	text[1000] = 'x';
-	text[1001] = '\n';
-	refused(text, 1002, ":1: line longer than 1000 characters");
-
-	n = snprintf(text, sizeof(text), "[%0*d]\n", INI_NAME_MAX, 0);
-	refused(text, (size_t)n, ":1: name longer than 95 characters");
-	n = snprintf(text, sizeof(text), "[mc]\n%0*d = 1\n", INI_NAME_MAX, 0);
-	refused(text, (size_t)n, ":2: [mc]: name longer than 95 characters");
-	n = snprintf(text, sizeof(text), "[bus]\ninterfaces = %0*d\n", CONFIG_STR_MAX, 0);
 	refused(text, (size_t)n, ":2: bus.interfaces: longer than 255 characters");
-
-	n = 0;
-	for (int i = 0; i <= INI_ENTRIES_MAX; i++) {
-		n += snprintf(text + n, sizeof(text) - (size_t)n, "[message M%d]\n", i);
-	}
-	refused(text, (size_t)n, ":1001: [message M1000]: more than 1000 sections and keys");
-}
-
-static void files_that_are_none(void **state)
-{
-	struct config c;
-	char err[1024], path[PATH_MAX_];
-
-	(void)state;
-	snprintf(path, sizeof(path), "%s/nosuch.conf", dir);
-	assert_int_equal(config_load(path, NULL, 0, &c, NULL, err, sizeof(err)), -ENOENT);
-	assert_non_null(strstr(err, "nosuch.conf: cannot open: No such file"));
-	assert_int_equal(config_load(dir, NULL, 0, &c, NULL, err, sizeof(err)), -EISDIR);
-	assert_non_null(strstr(err, ": cannot read: Is a directory"));
-	assert_int_equal(config_load("/dev/zero", NULL, 0, &c, NULL, err, sizeof(err)), -EINVAL);
-	assert_non_null(strstr(err, "/dev/zero:1: line longer"));
-}
-
-/* A line that is cut must still be one, and end. */
-static void short_error_buffer(void **state)
-{
-	struct config c;
-	char err[16], path[PATH_MAX_];
-
-	(void)state;
-	conf_dir_write(dir, "test.conf", "x", 1, path);
-	memset(err, 'x', sizeof(err));
-	assert_int_equal(config_load(path, NULL, 0, &c, NULL, err, 8), -EINVAL);
-	assert_int_equal(strlen(err), 7);
-	assert_int_equal(err[8], 'x');
 }
 
 static const struct {
@@ -472,43 +387,6 @@ static void minus_zero_is_zero(void **state)
 	assert_memory_equal(&c, &zero, sizeof(c));
 }
 
-/* FNV-1a as published: "foobar" without its end gives 85944171f73967e8. */
-static void hash_known_answers(void **state)
-{
-	(void)state;
-	assert_true(hash_text(HASH_START, "") == 0xaf63bd4c8601b7dfu);
-	assert_true(hash_text(HASH_START, "foobar") == 0x85944171f73967e8u * 0x100000001b3u);
-	assert_true(hash_u64(HASH_START, 0x7261626f6f66u) ==
-		    0x85944171f73967e8u * 0x100000001b3u * 0x100000001b3u);
-	assert_true(hash_f64(HASH_START, -0.0) == hash_f64(HASH_START, 0.0));
-	assert_true(hash_f64(HASH_START, 1.0) == hash_u64(HASH_START, 0x3ff0000000000000u));
-}
-
-static void text_helpers(void **state)
-{
-	static const char *const names[] = {"alpha", "beta", "betas"};
-	char line[] = "  one\t two ", *rest = line;
-	double number = 7;
-	int64_t integer = 7;
-	int truth = 7;
-
-	(void)state;
-	assert_string_equal(text_word(&rest), "one");
-	assert_string_equal(text_word(&rest), "two");
-	assert_null(text_word(&rest));
-	assert_string_equal(text_nearest("BETAZ", names, 3, sizeof(names[0])), "beta");
-	assert_string_equal(text_nearest("x", names, 0, sizeof(names[0])), "");
-	assert_int_equal(text_number(" ", &number), -EINVAL);
-	assert_int_equal(text_number("inf", &number), -ERANGE);
-	assert_int_equal(text_integer("-0x8000000000000000", &integer), 0);
-	assert_true(integer == INT64_MIN);
-	assert_int_equal(text_integer("-0x8000000000000001", &integer), -ERANGE);
-	assert_int_equal(text_truth("yes", &truth), 0);
-	assert_int_equal(truth, 1);
-	assert_int_equal(text_truth("Yes", &truth), -EINVAL);
-	assert_true(number == 7);
-}
-
 static int setup(void **state)
 {
 	(void)state;
@@ -526,22 +404,12 @@ static int teardown(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(errors_are_named),
-		cmocka_unit_test(bytes_that_strings_cannot_hold),
-		cmocka_unit_test(long_things),
-		cmocka_unit_test(files_that_are_none),
-		cmocka_unit_test(short_error_buffer),
-		cmocka_unit_test(good_files_are_read),
-		cmocka_unit_test(every_kind_is_set),
-		cmocka_unit_test(overrides),
-		cmocka_unit_test(set_alone),
-		cmocka_unit_test(print_round_trip),
-		cmocka_unit_test(options_list_every_row),
-		cmocka_unit_test(rows_are_sound),
-		cmocka_unit_test(hash_sees_every_change),
+		cmocka_unit_test(errors_are_named),    cmocka_unit_test(long_string),
+		cmocka_unit_test(good_files_are_read), cmocka_unit_test(every_kind_is_set),
+		cmocka_unit_test(overrides),           cmocka_unit_test(set_alone),
+		cmocka_unit_test(print_round_trip),    cmocka_unit_test(options_list_every_row),
+		cmocka_unit_test(rows_are_sound),      cmocka_unit_test(hash_sees_every_change),
 		cmocka_unit_test(minus_zero_is_zero),
-		cmocka_unit_test(hash_known_answers),
-		cmocka_unit_test(text_helpers),
 	};
 
 	return cmocka_run_group_tests(tests, setup, teardown);

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include "clock.h"
+#include "recorder.h"
 
 #define FRAMES_MAX 32
 #define POLL_NS \
@@ -67,6 +68,9 @@ static void take_result(struct pipeline *p)
 	if (c->res.risk[FUTURE_DEFER].p > p->stats.risk_max) {
 		p->stats.risk_max = c->res.risk[FUTURE_DEFER].p;
 	}
+	if (p->o.recorder) {
+		recorder_evaluation(p->o.recorder, p->now_ns, &c->req, &c->res);
+	}
 	decide(p, &c->scene, &c->res);
 	if (p->o.on_cycle) {
 		p->o.on_cycle(p->o.arg, c, p->in.state);
@@ -77,7 +81,7 @@ static void take_result(struct pipeline *p)
 static void collect(struct pipeline *p)
 {
 	struct cycle *c = &p->cycle;
-	int got = p->running ? mc_poll(p->o.mc, &c->res) : 0;
+	int got = p->running ? mc_poll(p->mc, &c->res) : 0;
 
 	if (!got) {
 		return;
@@ -101,7 +105,7 @@ static void submit(struct pipeline *p)
 	c->t_ns[STAGE_SCAN] = c->scene.scan_ns;
 	err = pipeline_request(p->o.cfg, &c->scene, c->id, &c->req);
 	c->t_ns[STAGE_SCENE] = c->t_ns[STAGE_SUBMIT] = pipeline_stamp(p);
-	err = err ? err : mc_submit(p->o.mc, &c->req);
+	err = err ? err : mc_submit(p->mc, &c->req);
 	if (err < 0) {
 		fail(p);
 		return;
@@ -115,7 +119,7 @@ static void submit(struct pipeline *p)
 static void evaluate(struct pipeline *p)
 {
 	p->waiting = 0;
-	if (pipeline_trusted(p) && p->scene.ego_valid && p->scene.lead_valid) {
+	if (p->mc && pipeline_trusted(p) && p->scene.ego_valid && p->scene.lead_valid) {
 		submit(p);
 	} else {
 		decide(p, &p->scene, NULL);
@@ -150,7 +154,7 @@ static void on_result(struct pipeline *p)
 		evaluate(p);
 	}
 	if (p->running && p->now_ns >= p->cut_ns) {
-		mc_cut(p->o.mc, p->cycle.id);
+		mc_cut(p->mc, p->cycle.id);
 		p->cut_ns = CLOCK_NEVER;
 	}
 }
@@ -194,7 +198,12 @@ static void on_tick(struct pipeline *p)
 	int64_t late_ns = p->now_ns - p->tick_ns, absent = late_ns / p->period_ns;
 	struct decision dec = p->in.dec;
 
-	p->stats.period_miss += (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
+	const uint64_t misses = (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
+
+	p->stats.period_miss += misses;
+	if (misses) {
+		pipeline_event(p, RECORDER_MISS);
+	}
 	p->tick_ns += (absent + 1) * p->period_ns;
 	estimator_scene(p->est, p->now_ns, &p->scene);
 	pipeline_faults(p);
@@ -209,6 +218,76 @@ static void on_tick(struct pipeline *p)
 	pipeline_send(p, PUBLISH_REQUEST);
 	send_if_due(p, PUBLISH_STATUS);
 	send_if_due(p, PUBLISH_TIMING);
+}
+
+/* ---- other threads ------------------------------------------------------------------------------ */
+
+static void watch(struct pipeline *p)
+{
+	const struct bus_ops *ops = p->o.bus->ops;
+	int fd = mc_eventfd(p->mc);
+
+	p->watched = fd >= 0 && ops->watch && ops->watch(p->o.bus, fd) == 0;
+}
+
+static void take_mc(struct pipeline *p)
+{
+	struct mc *mc = __atomic_load_n(&p->offered_mc, __ATOMIC_ACQUIRE);
+
+	if (mc && mc != p->mc) {
+		p->mc = mc;
+		p->in.backend = p->offered_backend;
+		watch(p);
+	}
+}
+
+/* Takes over what another thread has put there since the last step. */
+static void take_offers(struct pipeline *p)
+{
+	take_mc(p);
+	p->o.cfg = __atomic_load_n(&p->offered_cfg, __ATOMIC_ACQUIRE);
+	if (p->in.state == STATE_FAULT) {
+		pipeline_arm(p, 0);
+	}
+	p->in.withheld = p->o.needs_arm && !pipeline_armed(p);
+	if (__atomic_exchange_n(&p->mark, 0, __ATOMIC_ACQ_REL)) {
+		pipeline_event(p, RECORDER_MARK);
+	}
+}
+
+void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend)
+{
+	p->offered_backend = backend;
+	__atomic_store_n(&p->offered_mc, mc, __ATOMIC_RELEASE);
+}
+
+void pipeline_set_config(struct pipeline *p, const struct config *cfg)
+{
+	__atomic_store_n(&p->offered_cfg, cfg, __ATOMIC_RELEASE);
+}
+
+void pipeline_arm(struct pipeline *p, int on)
+{
+	__atomic_store_n(&p->arm, on, __ATOMIC_RELEASE);
+}
+
+int pipeline_armed(const struct pipeline *p)
+{
+	return __atomic_load_n(&p->arm, __ATOMIC_ACQUIRE);
+}
+
+void pipeline_mark(struct pipeline *p)
+{
+	__atomic_store_n(&p->mark, 1, __ATOMIC_RELEASE);
+}
+
+/* ---- step ---------------------------------------------------------------------------------------- */
+
+static void keep(struct pipeline *p, const struct bus_frame *f, int n)
+{
+	for (int i = 0; p->o.recorder && i < n; i++) {
+		recorder_frame(p->o.recorder, &f[i]);
+	}
 }
 
 static int64_t deadline(const struct pipeline *p)
@@ -231,6 +310,8 @@ int pipeline_step(struct pipeline *p)
 		return n;
 	}
 	p->stats.frames += (uint64_t)n;
+	keep(p, f, n);
+	take_offers(p);
 	if (!p->started) {
 		start(p);
 	} else if (p->now_ns - p->tick_ns > p->period_ns) {
@@ -262,16 +343,17 @@ static int64_t ms_to_ns(double ms)
 static void prepare(struct pipeline *p)
 {
 	const struct config *cfg = p->o.cfg;
-	const struct bus_ops *ops = p->o.bus->ops;
 	uint64_t h = config_hash(cfg, p->o.map);
-	int fd = mc_eventfd(p->o.mc);
 
 	p->period_ns = ms_to_ns(cfg->bus_period);
 	p->ttl_ns = ms_to_ns(cfg->bus_result_ttl);
 	p->budget_ns = ms_to_ns(cfg->mc_budget);
-	p->watched = fd >= 0 && ops->watch && ops->watch(p->o.bus, fd) == 0;
+	p->offered_cfg = cfg;
 	p->in.state = STATE_INIT;
-	p->in.backend = p->o.backend;
+	if (p->o.mc) {
+		pipeline_set_mc(p, p->o.mc, p->o.backend);
+		take_mc(p);
+	}
 	p->in.hash = (uint16_t)(h ^ h >> 16 ^ h >> 32 ^ h >> 48 ^ contract_hash());
 	p->in.input_age_ns = p->in.mc_ns = p->in.decision_ns = p->in.total_ns = -1;
 }
@@ -309,6 +391,21 @@ const struct decision_state *pipeline_decision(const struct pipeline *p)
 const uint64_t *pipeline_rejected(const struct pipeline *p)
 {
 	return estimator_rejected(p->est);
+}
+
+const struct publish_in *pipeline_now(const struct pipeline *p)
+{
+	return &p->in;
+}
+
+/* The receiver's timeout would fire anyway; this says it sooner. */
+void pipeline_finish(struct pipeline *p)
+{
+	p->in.dec = (struct decision){.cause = CAUSE_INHIBITED};
+	p->in.state = STATE_INHIBIT;
+	p->in.have_scan = p->in.have_result = 0;
+	pipeline_send(p, PUBLISH_REQUEST);
+	pipeline_send(p, PUBLISH_STATUS);
 }
 
 void pipeline_close(struct pipeline *p)

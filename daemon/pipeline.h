@@ -51,12 +51,17 @@ struct pipeline_stats {
 	double risk_max;      /* largest P(defer) of any evaluation */
 };
 
+struct recorder;
+
 struct pipeline_open {
 	const struct config *cfg;
 	const struct mapping *map;
 	struct bus *bus;
-	struct mc *mc;
+	struct mc *mc;                /* NULL: none yet, pipeline_set_mc() brings it */
 	enum publish_backend backend; /* what mc runs on, for STATUS */
+	int quiet;                    /* 1: send nothing (transmit = none on a live bus) */
+	int needs_arm; /* 1: "no request" until pipeline_arm() (transmit = armed on a live bus) */
+	struct recorder *recorder; /* keeps frames and evaluations; NULL for none */
 	/* Stamps within a step, clock_now_ns() when live. NULL on a log: all time is the bus's, so that the same log
 	 * gives the same frames; times of computation are then "not available". */
 	int64_t (*clock)(void);
@@ -84,6 +89,30 @@ int pipeline_step(struct pipeline *p);
  * covariance is not positive definite (rows that are all zero are allowed: known exactly). */
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req);
+
+/* The next five may be called from another thread than pipeline_step's; they do not block. */
+
+/** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT). */
+void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend);
+
+/** pipeline_set_config - use @cfg for decisions from the next step on. Options that size or wire anything are read at
+ * open alone; both configurations must outlive the pipeline. */
+void pipeline_set_config(struct pipeline *p, const struct config *cfg);
+
+/** pipeline_arm - 1: requests may go out (bus.transmit = armed); 0: they are sent as "no request". A FAULT disarms. */
+void pipeline_arm(struct pipeline *p, int on);
+
+/** pipeline_armed - is an arm command in force? */
+int pipeline_armed(const struct pipeline *p);
+
+/** pipeline_mark - have the recorder keep what is around now. */
+void pipeline_mark(struct pipeline *p);
+
+/** pipeline_finish - the last frames: no request, INHIBIT. Called by pipeline_step's thread. */
+void pipeline_finish(struct pipeline *p);
+
+/** pipeline_now - what the frames say at present. Called by pipeline_step's thread. */
+const struct publish_in *pipeline_now(const struct pipeline *p);
 
 const struct pipeline_stats *pipeline_stats(const struct pipeline *p);
 const struct decision_state *pipeline_decision(const struct pipeline *p);

@@ -10,6 +10,13 @@ const struct stage_row stage_table[STAGES] = {
 #undef STAGE
 };
 
+void pipeline_event(struct pipeline *p, enum recorder_reason why)
+{
+	if (p->o.recorder) {
+		recorder_trigger(p->o.recorder, why, p->now_ns);
+	}
+}
+
 int64_t pipeline_stamp(const struct pipeline *p)
 {
 	return p->o.clock ? p->o.clock() : p->now_ns;
@@ -99,9 +106,9 @@ void pipeline_send(struct pipeline *p, enum publish_msg which)
 	p->in.stage_miss = p->stats.stage_miss;
 	p->in.period_miss = p->stats.period_miss;
 	publish_pack(p->pub, which, &p->in, p->now_ns, f);
-	if (p->o.bus->ops->send(p->o.bus, f)) {
+	if (!p->o.quiet && p->o.bus->ops->send(p->o.bus, f)) {
 		p->once |= FAULT_BIT(TX_REFUSED);
-	} else {
+	} else if (!p->o.quiet) {
 		p->stats.sent++;
 	}
 	if (which == PUBLISH_REQUEST && p->cycle.t_ns[STAGE_DECIDE] && !p->cycle.t_ns[STAGE_SEND]) {
@@ -121,6 +128,11 @@ int pipeline_state(struct pipeline *p, struct decision dec)
 	p->in.fault = p->faults.active;
 	if (!dec.changed && state == was) {
 		return 0;
+	}
+	if (dec.changed && dec.level > LEVEL_NONE) {
+		pipeline_event(p, dec.level == LEVEL_WARN ? RECORDER_WARN : RECORDER_REQUEST);
+	} else if (state >= STATE_INHIBIT && state != was) {
+		pipeline_event(p, RECORDER_FAULT);
 	}
 	if (p->o.on_change) {
 		p->o.on_change(p->o.arg, p->now_ns, &p->in);

@@ -6,11 +6,13 @@
 
 #include "estimator.h"
 #include "pipeline.h"
+#include "recorder.h"
 
 struct pipeline {
 	struct pipeline_open o;
 	struct estimator *est;
 	struct publish *pub;
+	struct mc *mc;
 	int64_t period_ns, ttl_ns, budget_ns;
 	int watched; /* the bus wakes us for a result */
 
@@ -29,10 +31,19 @@ struct pipeline {
 	int running, waiting;     /* a batch is; a scan is, because a batch was */
 	int64_t cut_ns, stuck_ns; /* when to cut the batch; when to give it up */
 
+	/* written by another thread, read here; atomic */
+	struct mc *offered_mc;
+	enum publish_backend offered_backend;
+	const struct config *offered_cfg;
+	int arm, mark;
+
 	struct decision_state dec;
 	struct publish_in in;
 	struct pipeline_stats stats;
 };
+
+/** pipeline_event - have the recorder keep what is around now; nothing without a recorder. */
+void pipeline_event(struct pipeline *p, enum recorder_reason why);
 
 /** pipeline_stamp - now, within a step. */
 int64_t pipeline_stamp(const struct pipeline *p);

@@ -84,7 +84,7 @@ static void pack_request(struct publish *p, const struct publish_in *in, int64_t
 			 uint8_t *data)
 {
 	const struct mc_risk *r = risk_of(p, in, now_ns, FUTURE_DEFER);
-	int brake = in->dec.level >= LEVEL_PARTIAL && !p->shadow;
+	int brake = in->dec.level >= LEVEL_PARTIAL && !p->shadow && !in->withheld;
 
 	put_raw(data, AEB_REQUEST_REQUEST,
 		brake ? AEB_REQUEST_REQUEST_BRAKE : AEB_REQUEST_REQUEST_NONE);

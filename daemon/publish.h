@@ -41,6 +41,7 @@ struct publish_in {
 	uint16_t hash;                                      /* contract and configuration */
 	uint32_t samples;                                   /* in the last batch; 0 = none yet */
 	enum publish_backend backend;
+	int withheld; /* 1: decide, but say "no request": no arm command is in force */
 };
 
 struct publish; /* counters of each message */

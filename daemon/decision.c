@@ -85,10 +85,13 @@ static int fires(const struct config *cfg, const struct rule *r, const struct mc
 	return 1;
 }
 
+/* Over when nobody needs to brake any more, or when the driver's braking would do easily again: in dense traffic some
+ * risk of doing nothing for ten seconds never goes away. */
 static struct verdict by_risk(const struct config *cfg, const struct mc_result *res)
 {
 	struct verdict v = {LEVEL_NONE, CAUSE_NONE,
-			    res->risk[FUTURE_NOBODY].hi < cfg->decision_p_release};
+			    res->risk[FUTURE_NOBODY].hi < cfg->decision_p_release ||
+				    res->risk[FUTURE_DRIVER].hi < cfg->decision_p_release};
 
 	for (size_t i = 0; i < sizeof(rule_table) / sizeof(rule_table[0]); i++) {
 		if (fires(cfg, &rule_table[i], res)) {

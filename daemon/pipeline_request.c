@@ -119,6 +119,7 @@ static float centre_m(const struct config *c, const struct scene *s)
 			    speed * speed / (2 * c->brake_accel));
 }
 
+/* Histograms cost less than a tenth of a batch, so that every evaluation can publish the safe headway. */
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req)
 {

@@ -188,7 +188,7 @@ static void test_interval_ends(void **arg)
 	r = fresh(LEVEL_FULL);
 	r.scene.x[SCENE_LEAD_SPEED] = 20;
 	res = result(0, 0, 0);
-	res.risk[FUTURE_NOBODY].hi = 0.05;
+	res.risk[FUTURE_DRIVER].hi = res.risk[FUTURE_NOBODY].hi = 0.05;
 	for (int i = 0; i < 20; i++) {
 		expect(step(&r, &res), LEVEL_FULL, CAUSE_HOLD);
 	}
@@ -198,6 +198,33 @@ static void test_interval_ends(void **arg)
 		expect(step(&r, &res), LEVEL_FULL, CAUSE_HOLD);
 	}
 	expect(step(&r, &res), LEVEL_NONE, CAUSE_RELEASED);
+}
+
+/* Either future that is safe again releases; neither does alone above the threshold. */
+static void test_release_by_either_future(void **arg)
+{
+	static const struct {
+		double driver, nobody;
+		int releases;
+	} row[] = {
+		{0.05, 0.05, 0},
+		{0.05 - EPS, 0.4, 1},
+		{1, 0.05 - EPS, 1},
+		{0.05, 0.4, 0},
+	};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct run r = fresh(LEVEL_WARN);
+		struct decision d = {0};
+
+		r.scene.x[SCENE_LEAD_SPEED] = 20;
+		for (int k = 0; k < 4; k++) {
+			d = step_p(&r, 0, row[i].driver, row[i].nobody);
+		}
+		expect(d, row[i].releases ? LEVEL_NONE : LEVEL_WARN,
+		       row[i].releases ? CAUSE_RELEASED : CAUSE_HOLD);
+	}
 }
 
 /* A risk that is not a number enters nothing and releases nothing. */
@@ -284,7 +311,7 @@ static void test_one_alarm_restarts_the_count(void **arg)
 	for (int i = 0; i < 3; i++) {
 		expect(step_p(&r, 0, 0, 0), LEVEL_WARN, CAUSE_HOLD);
 	}
-	expect(step_p(&r, 0, 0, 0.05), LEVEL_WARN, CAUSE_HOLD);
+	expect(step_p(&r, 0, 0.05, 0.05), LEVEL_WARN, CAUSE_HOLD);
 	for (int i = 0; i < 3; i++) {
 		expect(step_p(&r, 0, 0, 0), LEVEL_WARN, CAUSE_HOLD);
 	}
@@ -513,6 +540,7 @@ int main(void)
 		cmocka_unit_test(test_futures),
 		cmocka_unit_test(test_rule),
 		cmocka_unit_test(test_interval_ends),
+		cmocka_unit_test(test_release_by_either_future),
 		cmocka_unit_test(test_nan_is_no_risk_and_no_safety),
 		cmocka_unit_test(test_warning_then_full_then_release),
 		cmocka_unit_test(test_partial_accel),

@@ -22,28 +22,37 @@ struct rollout_plan {
 };
 
 /*
- * One lane. Times s count from brake onset, t from the scene. Braking has up to two phases: P1 from onset, force
- * F + G - (F + a_i) e^(-s/tau); P2 from the kink where the friction bound is reached, force P + G.
- * base_*: the phase that lasts to the end. */
-#define ROLLOUT_FIELDS(X)                                                                                            \
-	/* the inputs, in the order of enum model_input */                                                           \
-	X(headway)                                                                                                   \
-	X(v0) X(a0) X(vl) X(al) X(mu) X(theta) X(mass) X(drag) X(tau)                                                \
-		X(delay) /* scene: shared by all futures */                                                          \
-		X(k)     /* drag: v' = ... - k v^2          [1/m] */                                                 \
-		X(grade) /* G = g sin(theta)                [m/s2] */                                                \
-		X(bound) /* P, eq. 5                        [m/s2] */                                                \
-		X(rate)  /* 1 / tau */                                                                               \
-		X(lead_stop) /* t_L: the lead stands from here  [s] */ /* coast: before onset */                     \
-		X(onset) X(v1) X(x1) X(                                                                              \
-			near_0) /* match: P1 as flow under the constant force c1 from speed r0, and its transient */ \
-		X(c1) X(r0) X(ka) X(fe) X(b2) X(d0)                       /* kink and P2 */                          \
-		X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s) /* stop */                                 \
-		X(end_s) X(stop) X(end_v) /* closest approach in the braking phase */                                \
-		X(near_s) X(near_lo) X(near_hi) X(near_rel) X(near_at) X(need) /* first contact */                   \
-		X(hit_t) X(hit_lo) X(hit_hi)                                                                         \
-			X(impact) /* lanes a correction pass still works on: 1 or 0 */                               \
-		X(want)
+ * One lane. Times s count from brake onset, t from the scene. Braking has up to two phases: P1 from onset under
+ * F + G - (F + a_i) e^(-s/tau), and P2 from the kink, where the friction bound is reached, under P + G.
+ */
+/* The inputs, in the order of enum model_input. */
+#define ROLLOUT_INPUTS(X) \
+	X(headway) X(v0) X(a0) X(vl) X(al) X(mu) X(theta) X(mass) X(drag) X(tau) X(delay)
+/* Scene, shared by all futures: k of v' = ... - k v^2 [1/m], G = g sin(theta), P of eq. 5 [m/s2], 1 / tau, and when the
+ * lead stands. */
+#define ROLLOUT_SCENE(X) X(k) X(grade) X(bound) X(rate) X(lead_stop)
+/* Before onset: where and how fast the ego is then, and -min(x_lead - x_ego) if that lies inside. */
+#define ROLLOUT_COAST(X) X(onset) X(v1) X(x1) X(near_0)
+/* P1 as flow under the constant force c1 from speed r0, its transient's amplitude fe = F + a_i and constants. */
+#define ROLLOUT_MATCH(X) X(c1) X(r0) X(ka) X(fe) X(b2) X(d0)
+/* Kink, and the phase that lasts to the end. */
+#define ROLLOUT_KINK(X) X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s)
+/* Standstill or horizon. */
+#define ROLLOUT_STOP(X) X(end_s) X(stop) X(end_v)
+/* Closest approach while braking: where it is sought, within which limits, what was found where. */
+#define ROLLOUT_NEAR(X) X(near_s) X(near_lo) X(near_hi) X(near_rel) X(near_at) X(need)
+/* First contact, and 1 or 0 for a lane that a correction still works on. */
+#define ROLLOUT_HIT(X) X(hit_t) X(hit_lo) X(hit_hi) X(impact) X(want)
+
+#define ROLLOUT_FIELDS(X) \
+	ROLLOUT_INPUTS(X) \
+	ROLLOUT_SCENE(X)  \
+	ROLLOUT_COAST(X)  \
+	ROLLOUT_MATCH(X)  \
+	ROLLOUT_KINK(X)   \
+	ROLLOUT_STOP(X)   \
+	ROLLOUT_NEAR(X)   \
+	ROLLOUT_HIT(X)
 
 struct rollout {
 #define ROLLOUT_MEMBER(name) float name;
@@ -305,41 +314,54 @@ HD void rollout_roll(struct rollout *r, const struct rollout_plan *p)
 	r->end_v = end_v;
 }
 
-/** rollout_near - guess when the lead is as fast as the ego again: the one minimum that braking can leave behind. */
+/**
+ * rollout_near - guess when the ego is as slow as the lead again: the one minimum that braking can leave behind
+ * In P2 if the ego is still faster at the kink, else in P1. v = (v0 - c s) / (1 + k v0 s) = lead is a quadratic; if its
+ * root falls into the first 3 tau, one that fits the ramp of the brake takes its place.
+ */
 HD void rollout_near(struct rollout *r)
 {
 	const float hi = det_minf(r->end_s, r->lead_stop - r->onset);
-	const float lead_k = rollout_lead_v(r, r->onset + r->sk);
-	float two = r->v2 > lead_k ? 1.0f : 0.0f;
 	const float lead_1 = rollout_lead_v(r, r->onset);
-	float vl, v, c, g, a, b, cc, at3, root;
+	const float lead_k = rollout_lead_v(r, r->onset + r->sk);
+	const float later = r->v2 > lead_k ? 1.0f : 0.0f;
+	const float two = r->sk < hi ? later : 0.0f;
+	const float v = two > 0.0f ? r->v2 : r->r0;
+	const float lead = two > 0.0f ? lead_k : lead_1;
+	const float force = two > 0.0f ? r->bound + r->grade : r->c1;
+	const float a2 = r->k * v * r->al;
+	const float b2 = det_fmaf(r->k * v, lead, force + r->al);
+	const float c2 = lead - v;
+	const float s3 = 3.0f * r->tau;
+	const float at3 = det_fmaf(s3, det_fmaf(s3, a2, b2), c2);
+	const float ramp = two > 0.0f ? -1.0f : at3;
+	const float w = r->v1 - lead_1;
+	const float g = det_fmaf(r->k * r->v1, r->v1, r->c1 - r->fe) + r->al;
+	const float a = ramp > 0.0f ? det_fmaf(0.8f, g, r->fe) : a2;
+	const float b = ramp > 0.0f ? det_fmaf(2.0f * g, r->tau, -0.8f * w) : b2;
+	const float c = ramp > 0.0f ? -2.0f * w * r->tau : c2;
+	const float root = det_maxf(b, ramp) > 0.0f ? rollout_root(a, b, c) : ROLLOUT_NEVER_S;
+	/* tan(z)/z - 1, left out of the quadratic */
+	const float s1 = det_minf(root, 30.0f);
+	const float slope =
+		det_maxf(det_sqrtf(det_maxf(det_fmaf(b, b, -4.0f * a * c), 0.0f)), 0.1f);
+	const float over = r->k * force * s1 * s1 * s1 * (1.0f / 3.0f);
+	const float fix = over * det_fmaf(r->k * v, det_fmaf(r->al, s1, lead), force) / slope;
+	const float guess = root - (ramp > 0.0f ? 0.0f : det_minf(fix, 0.1f * s1));
+	const float last = two > 0.0f ? hi : det_minf(hi, r->sk);
 
-	two = r->sk < hi ? two : 0.0f;
-	vl = two > 0.0f ? lead_k : lead_1;
-	v = two > 0.0f ? r->v2 : r->r0;
-	c = two > 0.0f ? r->bound + r->grade : r->c1;
-	g = det_fmaf(r->k * v, v, c);
-	a = -r->k * v * g;
-	b = r->al + g;
-	cc = vl - v;
-	/* in P1, a root within the ramp: quadratic fit of the lag instead */
-	at3 = det_fmaf(3.0f * r->tau, det_fmaf(3.0f * r->tau, a, b), cc);
-	at3 = two > 0.0f ? -1.0f : at3;
-	g = r->grade + r->k * r->v1 * r->v1 + r->al - (r->fe - (r->c1 - r->grade));
-	a = at3 > 0.0f ? det_fmaf(0.8f, g, r->fe) : a;
-	b = at3 > 0.0f ? det_fmaf(2.0f * g, r->tau, -0.8f * (r->v1 - lead_1)) : b;
-	cc = at3 > 0.0f ? -2.0f * (r->v1 - lead_1) * r->tau : cc;
-	root = rollout_root(a, b, cc);
-	root = det_maxf(b, at3) > 0.0f ? root : ROLLOUT_NEVER_S;
 	r->near_lo = two > 0.0f ? r->sk : 0.0f;
-	r->near_hi = det_maxf(two > 0.0f ? hi : det_minf(hi, r->sk), 0.0f);
-	r->near_s = det_minf(det_maxf(root + r->near_lo, r->near_lo), r->near_hi);
+	r->near_hi = det_maxf(last, 0.0f);
+	r->near_s = det_minf(det_maxf(guess, 0.0f) + r->near_lo, r->near_hi);
 	r->near_rel = 0.0f;
 	r->near_at = r->near_lo;
 	r->want = hi > 0.0f ? 1.0f : 0.0f;
 }
 
-/** rollout_approach - one correction of the closest approach: third-order expansion about near_s. Lanes with want. */
+/**
+ * rollout_approach - one correction of the closest approach: expansion of the relative motion about near_s. Lanes with
+ * want. Without a root of the relative speed nearby, go to where it is largest.
+ */
 HD void rollout_approach(struct rollout *r)
 {
 	const float s = r->near_s, t = r->onset + s;
@@ -347,20 +369,22 @@ HD void rollout_approach(struct rollout *r)
 	const float v = rollout_lead_v(r, t) - pt.v;
 	const float dv = r->al - pt.dv;
 	const float ddv = det_fmaf(pt.fe, r->rate, 2.0f * r->k * pt.v * pt.dv);
-	const float den = dv + det_sqrtf(det_maxf(det_fmaf(dv, dv, -2.0f * v * ddv), 0.0f));
-	const float step = -2.0f * v / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
+	const float disc = det_fmaf(dv, dv, -2.0f * v * ddv);
+	const float num = disc > 0.0f ? -2.0f * v : -dv;
+	const float den = disc > 0.0f ? dv + det_sqrtf(det_maxf(disc, 0.0f)) : ddv;
+	const float step = num / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
 	const float next = det_minf(det_maxf(s + step, r->near_lo), r->near_hi);
 	const float h = next - s, h2 = h * h;
 	const float rest = pt.fe * r->rate * r->rate * h2 * h2;
-	float more = h2 < 0.0225f ? 0.0f : 1.0f;
-	float by, rel;
+	const float far = h2 < 0.0225f ? 0.0f : 1.0f;
+	const float more = rest < 2e-4f ? far : 1.0f;
+	const float by =
+		more > 0.0f
+			? 0.0f
+			: h; /* a point of the path bounds the minimum, a poor expansion does not */
+	const float rel = rollout_lead_x(r, t) - r->x1 - pt.x +
+			  by * det_fmaf(by, det_fmaf(by, ddv * (1.0f / 6.0f), 0.5f * dv), v);
 
-	more = rest < 2e-4f ? more : 1.0f;
-	by = more > 0.0f
-		     ? 0.0f
-		     : h; /* a point of the path is a bound of the minimum, a poor expansion is not */
-	rel = rollout_lead_x(r, t) - r->x1 - pt.x +
-	      by * det_fmaf(by, det_fmaf(by, ddv * (1.0f / 6.0f), 0.5f * dv), v);
 	r->near_rel = r->want > 0.0f ? rel : r->near_rel;
 	r->near_at = r->want > 0.0f ? s + by : r->near_at;
 	r->near_s = r->want > 0.0f ? next : r->near_s;
@@ -439,7 +463,7 @@ HD void rollout_contact(struct rollout *r)
 	r->want = r->want > 0.0f ? more : 0.0f;
 }
 
-#define ROLLOUT_APPROACH_MAX 6 /* corrections after which what is found counts */
+#define ROLLOUT_APPROACH_MAX 3 /* corrections after which what is found counts */
 #define ROLLOUT_CONTACT_MAX  24
 
 /**

@@ -1,5 +1,6 @@
 #!/bin/sh
 # What aebmc prints: valid JSON with the agreed keys, nothing lost without a word, a clean end on Ctrl-C. TAP.
+# shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 car=can-dbc/vehicles/generic.conf
 drive=$tmp/brake.log

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Arguments of aebmc: what is wrong is refused with one line and the agreed exit code. TAP.
+# shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 car=can-dbc/vehicles/generic.conf
 subs="replay decode generate curve converge verify bench"

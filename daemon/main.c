@@ -175,6 +175,19 @@ static const struct room {
 
 #define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))
 
+static void report(const struct daemon *d)
+{
+	const struct pipeline_stats *p = pipeline_stats(d->pipeline);
+	const uint64_t *entered = pipeline_decision(d->pipeline)->entered;
+
+	fprintf(stderr,
+		"aebmcd: %" PRIu64 " frames (%" PRIu64 " lines malformed), %" PRIu64
+		" evaluations; %" PRIu64 " warnings, %" PRIu64 " partial, %" PRIu64
+		" full requests\n",
+		p->frames, d->bus->ops->stats(d->bus)->malformed, p->evaluations,
+		entered[LEVEL_WARN], entered[LEVEL_PARTIAL], entered[LEVEL_FULL]);
+}
+
 static int loop(struct daemon *d)
 {
 	char err[128];
@@ -184,6 +197,7 @@ static int loop(struct daemon *d)
 		rc = pipeline_step(d->pipeline);
 	} while (!rc);
 	if (rc == -ENODATA) {
+		report(d);
 		return EXIT_GOOD;
 	}
 	snprintf(err, sizeof(err), "the bus failed: %s", strerror(-rc));

@@ -220,67 +220,6 @@ static void on_tick(struct pipeline *p)
 	send_if_due(p, PUBLISH_TIMING);
 }
 
-/* ---- other threads ------------------------------------------------------------------------------ */
-
-static void watch(struct pipeline *p)
-{
-	const struct bus_ops *ops = p->o.bus->ops;
-	int fd = mc_eventfd(p->mc);
-
-	p->watched = fd >= 0 && ops->watch && ops->watch(p->o.bus, fd) == 0;
-}
-
-static void take_mc(struct pipeline *p)
-{
-	struct mc *mc = __atomic_load_n(&p->offered_mc, __ATOMIC_ACQUIRE);
-
-	if (mc && mc != p->mc) {
-		p->mc = mc;
-		p->in.backend = p->offered_backend;
-		watch(p);
-	}
-}
-
-/* Takes over what another thread has put there since the last step. */
-static void take_offers(struct pipeline *p)
-{
-	take_mc(p);
-	p->o.cfg = __atomic_load_n(&p->offered_cfg, __ATOMIC_ACQUIRE);
-	if (p->in.state == STATE_FAULT) {
-		pipeline_arm(p, 0);
-	}
-	p->in.withheld = p->o.needs_arm && !pipeline_armed(p);
-	if (__atomic_exchange_n(&p->mark, 0, __ATOMIC_ACQ_REL)) {
-		pipeline_event(p, RECORDER_MARK);
-	}
-}
-
-void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend)
-{
-	p->offered_backend = backend;
-	__atomic_store_n(&p->offered_mc, mc, __ATOMIC_RELEASE);
-}
-
-void pipeline_set_config(struct pipeline *p, const struct config *cfg)
-{
-	__atomic_store_n(&p->offered_cfg, cfg, __ATOMIC_RELEASE);
-}
-
-void pipeline_arm(struct pipeline *p, int on)
-{
-	__atomic_store_n(&p->arm, on, __ATOMIC_RELEASE);
-}
-
-int pipeline_armed(const struct pipeline *p)
-{
-	return __atomic_load_n(&p->arm, __ATOMIC_ACQUIRE);
-}
-
-void pipeline_mark(struct pipeline *p)
-{
-	__atomic_store_n(&p->mark, 1, __ATOMIC_RELEASE);
-}
-
 /* ---- step ---------------------------------------------------------------------------------------- */
 
 static void keep(struct pipeline *p, const struct bus_frame *f, int n)
@@ -311,7 +250,7 @@ int pipeline_step(struct pipeline *p)
 	}
 	p->stats.frames += (uint64_t)n;
 	keep(p, f, n);
-	take_offers(p);
+	pipeline_take_offers(p);
 	if (!p->started) {
 		start(p);
 	} else if (p->now_ns - p->tick_ns > p->period_ns) {
@@ -350,10 +289,8 @@ static void prepare(struct pipeline *p)
 	p->budget_ns = ms_to_ns(cfg->mc_budget);
 	p->offered_cfg = cfg;
 	p->in.state = STATE_INIT;
-	if (p->o.mc) {
-		pipeline_set_mc(p, p->o.mc, p->o.backend);
-		take_mc(p);
-	}
+	pipeline_set_mc(p, p->o.mc, p->o.backend);
+	pipeline_take_offers(p);
 	p->in.hash = (uint16_t)(h ^ h >> 16 ^ h >> 32 ^ h >> 48 ^ contract_hash());
 	p->in.input_age_ns = p->in.mc_ns = p->in.decision_ns = p->in.total_ns = -1;
 }

@@ -90,7 +90,7 @@ int pipeline_step(struct pipeline *p);
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req);
 
-/* The next five may be called from another thread than pipeline_step's; they do not block. */
+/* The next six may be called from another thread than pipeline_step's; they do not block. */
 
 /** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT). */
 void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend);
@@ -104,6 +104,9 @@ void pipeline_arm(struct pipeline *p, int on);
 
 /** pipeline_armed - is an arm command in force? */
 int pipeline_armed(const struct pipeline *p);
+
+/** pipeline_raise - reasons found outside the pipeline (a refused real-time setting); they stay. */
+void pipeline_raise(struct pipeline *p, uint32_t fault);
 
 /** pipeline_mark - have the recorder keep what is around now. */
 void pipeline_mark(struct pipeline *p);

@@ -42,18 +42,21 @@ static uint32_t bus_conditions(struct pipeline *p)
 	return faults;
 }
 
-/* A scan older than its result may be is stale, however patient the inputs' own limits are. */
+/* A scan older than its result may be is stale, however patient the inputs' own limits are; without a backend we have
+ * not started. */
 static uint32_t input_conditions(const struct pipeline *p)
 {
 	int old = p->stats.scans && p->now_ns - p->scene.scan_ns > p->ttl_ns;
 
-	return p->scene.fault | (old ? FAULT_BIT(RADAR_STALE) : 0);
+	return p->scene.fault | (old ? FAULT_BIT(RADAR_STALE) : 0) |
+	       (p->mc ? 0 : FAULT_BIT(STARTING));
 }
 
 void pipeline_faults(struct pipeline *p)
 {
 	uint32_t raised = p->lasting | p->once | bus_conditions(p) | input_conditions(p);
 
+	raised |= __atomic_load_n(&p->outside, __ATOMIC_ACQUIRE);
 	if (p->running && p->now_ns >= p->stuck_ns) {
 		raised |= FAULT_BIT(MC_STUCK);
 	}

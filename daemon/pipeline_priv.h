@@ -36,11 +36,15 @@ struct pipeline {
 	enum publish_backend offered_backend;
 	const struct config *offered_cfg;
 	int arm, mark;
+	uint32_t outside; /* reasons found outside the pipeline */
 
 	struct decision_state dec;
 	struct publish_in in;
 	struct pipeline_stats stats;
 };
+
+/** pipeline_take_offers - take over what another thread has put there since the last step. */
+void pipeline_take_offers(struct pipeline *p);
 
 /** pipeline_event - have the recorder keep what is around now; nothing without a recorder. */
 void pipeline_event(struct pipeline *p, enum recorder_reason why);

@@ -31,7 +31,7 @@ _Static_assert(sizeof(struct mc_request) % 4 == 0, "a request is written as 32-b
 
 struct recorder {
 	struct recorder_params p;
-	char dir[200];
+	char dir[RECORDER_DIR_MAX];
 	char iface[BUS_IFACES_MAX][BUS_NAME_MAX];
 	struct ring *frames, *evaluations;
 	int64_t event_ns; /* atomic; 0: no event open */
@@ -200,7 +200,7 @@ typedef int writer(const struct recorder *r, FILE *f, int64_t from, int64_t to, 
 static int write_file(const struct recorder *r, const char *path, writer *w, int64_t t,
 		      int64_t offset)
 {
-	char part[300];
+	char part[RECORDER_PATH_MAX + 8];
 	FILE *f;
 	int ret;
 
@@ -247,14 +247,14 @@ static void remove_oldest(const struct recorder *r)
 	free(e);
 }
 
-static int write_event(struct recorder *r, int64_t t, int64_t offset, char path[256])
+static int write_event(struct recorder *r, int64_t t, int64_t offset, char path[RECORDER_PATH_MAX])
 {
 	const char *why = recorder_reason_name[__atomic_load_n(&r->event_why, __ATOMIC_RELAXED)];
-	char requests[256];
+	char requests[RECORDER_PATH_MAX];
 	int ret;
 
 	r->serial++;
-	snprintf(path, 256, "%s/" PREFIX "%06u-%s.log", r->dir, r->serial, why);
+	snprintf(path, RECORDER_PATH_MAX, "%s/" PREFIX "%06u-%s.log", r->dir, r->serial, why);
 	snprintf(requests, sizeof(requests), "%s/" PREFIX "%06u-%s.requests", r->dir, r->serial,
 		 why);
 	ret = write_file(r, path, write_frames, t, offset);
@@ -269,7 +269,7 @@ static int write_event(struct recorder *r, int64_t t, int64_t offset, char path[
 }
 
 int recorder_service(struct recorder *r, int64_t now_ns, int64_t real_minus_mono_ns, int finish,
-		     char path[256])
+		     char path[RECORDER_PATH_MAX])
 {
 	const int64_t t = __atomic_load_n(&r->event_ns, __ATOMIC_ACQUIRE);
 	int ret;

@@ -9,6 +9,9 @@
 #include "bus.h"
 #include "mc.h"
 
+#define RECORDER_DIR_MAX  400
+#define RECORDER_PATH_MAX 512
+
 enum recorder_reason {
 	RECORDER_WARN,
 	RECORDER_REQUEST,
@@ -48,12 +51,12 @@ void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns
 /**
  * recorder_service - write the open event once its time after is over (or @finish)
  * @real_minus_mono_ns: what turns a frame's time into that of the log
- * @path: receives the log's path [256] when one was written
+ * @path: receives the log's path [RECORDER_PATH_MAX] when one was written
  * Housekeeping thread; blocks on the file system. Returns 1 if an event was written, 0 if none was due, -errno (the
  * event is lost, the partial file removed).
  */
 int recorder_service(struct recorder *r, int64_t now_ns, int64_t real_minus_mono_ns, int finish,
-		     char path[256]);
+		     char path[RECORDER_PATH_MAX]);
 
 void recorder_close(struct recorder *r); /* NULL is fine */
 

@@ -88,7 +88,7 @@ static int count_lines(const char *path, const char *needle)
 static void test_writes_what_came_before_and_after(void **state)
 {
 	struct recorder *r = open_recorder(1 << 20);
-	char path[256] = "", requests[300];
+	char path[RECORDER_PATH_MAX] = "", requests[RECORDER_PATH_MAX + 16];
 
 	(void)state;
 	for (int64_t t = 1; t <= 70; t++) {
@@ -119,7 +119,7 @@ static void test_writes_what_came_before_and_after(void **state)
 static void test_oldest_events_are_removed(void **state)
 {
 	struct recorder *r = open_recorder(3000);
-	char path[256];
+	char path[RECORDER_PATH_MAX];
 	off_t bytes = 0;
 	int n = 0;
 	DIR *d;
@@ -150,7 +150,7 @@ static void test_oldest_events_are_removed(void **state)
 static void test_a_failed_write_leaves_no_partial_file(void **state)
 {
 	struct recorder *r = open_recorder(1 << 20);
-	char path[256], cmd[128];
+	char path[RECORDER_PATH_MAX], cmd[128];
 
 	(void)state;
 	put_second(r, 1);
@@ -185,7 +185,7 @@ static void test_open_says_what_is_wrong(void **state)
 static void test_requests_read_back(void **state)
 {
 	struct recorder *r = open_recorder(1 << 20);
-	char path[256], requests[300], line[4096], bad[4096];
+	char path[RECORDER_PATH_MAX], requests[RECORDER_PATH_MAX + 16], line[4096], bad[4096];
 	struct mc_request req, want;
 	uint64_t hash;
 	FILE *f;

@@ -1,0 +1,377 @@
+/* SPDX-License-Identifier: MIT
+ * Rooms of the live daemon, opened in order and closed in reverse, and the real-time thread. See live.h.
+ */
+#include "live_priv.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include "clock.h"
+#include "compute.h"
+#include "rt.h"
+#include "service.h"
+
+#define SNAPSHOT_NS (10 * CLOCK_NS_PER_MS)
+#define JOIN_NS     (100 * CLOCK_NS_PER_MS)
+#define IDS_MAX     (MAP_MESSAGES_MAX + PUBLISH_MSGS)
+#define FRAMES_KEPT (1u << 17) /* 32 s at 4,000 frames/s */
+#define EVALS_KEPT  (1u << 10) /* 51 s at 20 Hz */
+
+enum policy { RT_OFF, RT_OPTIONAL, RT_REQUIRED };
+enum transmit { TRANSMIT_NONE, TRANSMIT_SHADOW, TRANSMIT_ARMED };
+
+/* ---- real-time thread ----------------------------------------------------------------------------- */
+
+static void snapshot(struct live *l, uint64_t steps)
+{
+	struct status s = {.t_ns = clock_now_ns(), .steps = steps};
+
+	s.now = *pipeline_now(l->pipeline);
+	s.stats = *pipeline_stats(l->pipeline);
+	s.bus = *l->bus->ops->stats(l->bus);
+	s.dec = *pipeline_decision(l->pipeline);
+	memcpy(s.rejected, pipeline_rejected(l->pipeline), sizeof(s.rejected));
+	s.confirmed_ns = l->bus->ops->confirmed_ns(l->bus);
+	s.transmit = l->cfg->bus_transmit;
+	s.armed = pipeline_armed(l->pipeline);
+	ring_put(l->snapshots, &s);
+}
+
+static void *real_time(void *arg)
+{
+	struct live *l = arg;
+	int64_t due_ns = 0;
+	uint64_t steps = 0;
+	int ret = 0;
+
+	rt_prefault_stack(256 * 1024);
+	while (!ret && !__atomic_load_n(&l->stop, __ATOMIC_ACQUIRE)) {
+		ret = pipeline_step(l->pipeline);
+		steps++;
+		if (clock_now_ns() >= due_ns) {
+			snapshot(l, steps);
+			due_ns = clock_now_ns() + SNAPSHOT_NS;
+		}
+	}
+	pipeline_finish(l->pipeline);
+	snapshot(l, steps);
+	__atomic_store_n(&l->error, ret, __ATOMIC_RELEASE);
+	__atomic_store_n(&l->stopped, 1, __ATOMIC_RELEASE);
+	return NULL;
+}
+
+/* ---- rooms ---------------------------------------------------------------------------------------- */
+
+static int open_signals(struct live *l, char *err, int err_len)
+{
+	sigset_t set;
+
+	sigemptyset(&set);
+	sigaddset(&set, SIGTERM);
+	sigaddset(&set, SIGINT);
+	sigaddset(&set, SIGHUP);
+	pthread_sigmask(SIG_BLOCK, &set, NULL); /* every thread created from here on inherits it */
+	l->signal_fd = signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+	if (l->signal_fd < 0) {
+		snprintf(err, (size_t)err_len, "signalfd: %s", strerror(errno));
+		return -errno;
+	}
+	return 0;
+}
+
+static void close_signals(struct live *l)
+{
+	close(l->signal_fd);
+}
+
+/* $DIRECTORY/name from the unit's environment, unless the option says otherwise; 0 if there is neither. */
+static int unit_path(const char *option, const char *variable, const char *name, char *path,
+		     size_t size)
+{
+	const char *dir = getenv(variable);
+
+	if (option[0]) {
+		snprintf(path, size, "%s", option);
+	} else if (dir) {
+		snprintf(path, size, "%s%s", dir, name);
+	}
+	return option[0] || dir;
+}
+
+static int open_control(struct live *l, char *err, int err_len)
+{
+	char path[RECORDER_DIR_MAX];
+
+	if (!unit_path(l->cfg->status_socket, "RUNTIME_DIRECTORY", "/status.sock", path,
+		       sizeof(path))) {
+		return 0;
+	}
+	return control_open(path, housekeeping_answer, l, &l->control, err, err_len);
+}
+
+static void close_control(struct live *l)
+{
+	control_close(l->control);
+}
+
+static int input_ids(const struct live *l, struct bus_id *id)
+{
+	for (int i = 0; i < l->map->n_messages; i++) {
+		id[i] = (struct bus_id){l->map->message[i].iface, l->map->message[i].msg->id};
+	}
+	return l->map->n_messages;
+}
+
+static int own_ids(const struct live *l, struct bus_id *id)
+{
+	struct publish *pub;
+	struct publish_in in = {.state = STATE_INIT};
+	struct bus_frame f;
+
+	if (publish_open(l->cfg, &pub)) {
+		return 0;
+	}
+	for (int i = 0; i < PUBLISH_MSGS; i++) {
+		publish_pack(pub, (enum publish_msg)i, &in, 0, &f);
+		id[i] = (struct bus_id){f.iface, f.id};
+	}
+	publish_close(pub);
+	return PUBLISH_MSGS;
+}
+
+static int open_bus(struct live *l, char *err, int err_len)
+{
+	const char *iface[BUS_IFACES_MAX];
+	struct bus_id input[IDS_MAX], own[PUBLISH_MSGS];
+	const struct bus_socketcan_params p = {.ifaces = iface,
+					       .n_ifaces = l->map->n_ifaces,
+					       .input = input,
+					       .n_input = input_ids(l, input),
+					       .own = own,
+					       .n_own = own_ids(l, own),
+					       .allow_local = l->cfg->bus_allow_local};
+
+	for (int i = 0; i < l->map->n_ifaces; i++) {
+		iface[i] = l->link[i].name = l->map->iface[i];
+	}
+	return bus_socketcan_open(&p, &l->bus, err, err_len);
+}
+
+static void close_bus(struct live *l)
+{
+	l->bus->ops->close(l->bus);
+}
+
+static int open_recorder(struct live *l, char *err, int err_len)
+{
+	char dir[RECORDER_DIR_MAX];
+	const char *iface[BUS_IFACES_MAX];
+	const struct recorder_params p = {.dir = dir,
+					  .ifaces = iface,
+					  .n_ifaces = l->map->n_ifaces,
+					  .before_ns = clock_s_to_ns(l->cfg->recorder_before),
+					  .after_ns = clock_s_to_ns(l->cfg->recorder_after),
+					  .frames = FRAMES_KEPT,
+					  .requests = EVALS_KEPT,
+					  .bytes_max = (uint64_t)l->cfg->recorder_size << 20};
+
+	if (!unit_path(l->cfg->recorder_dir, "STATE_DIRECTORY", "", dir, sizeof(dir))) {
+		return 0;
+	}
+	for (int i = 0; i < l->map->n_ifaces; i++) {
+		iface[i] = l->map->iface[i];
+	}
+	return recorder_open(&p, &l->recorder, err, err_len);
+}
+
+static void close_recorder(struct live *l)
+{
+	recorder_close(l->recorder);
+}
+
+static int open_pipeline(struct live *l, char *err, int err_len)
+{
+	const struct pipeline_open o = {.cfg = &l->active[0],
+					.map = l->map,
+					.bus = l->bus,
+					.quiet = l->cfg->bus_transmit == TRANSMIT_NONE,
+					.needs_arm = l->cfg->bus_transmit == TRANSMIT_ARMED,
+					.recorder = l->recorder,
+					.clock = clock_now_ns};
+	int ret = pipeline_open(&o, &l->pipeline);
+
+	ret = ret ? ret : ring_open(4, sizeof(struct status), &l->snapshots);
+	if (ret) {
+		snprintf(err, (size_t)err_len, "cannot open the pipeline: %s", strerror(-ret));
+	}
+	return ret;
+}
+
+static void close_pipeline(struct live *l)
+{
+	pipeline_close(l->pipeline);
+	ring_close(l->snapshots);
+}
+
+/* A refusal ends the start, or is remembered where the configuration allows it. */
+static int refused(struct live *l, int ret, const char *err)
+{
+	if (!ret || l->cfg->rt_policy == RT_REQUIRED) {
+		return ret;
+	}
+	pipeline_raise(l->pipeline, FAULT_BIT(RT_REFUSED));
+	service_log(SERVICE_WARNING, "RT_REFUSED", err);
+	return 0;
+}
+
+/* Frames that say INIT go out from here on. */
+static int open_thread(struct live *l, char *err, int err_len)
+{
+	int ret = pthread_create(&l->thread, NULL, real_time, l);
+
+	if (ret) {
+		snprintf(err, (size_t)err_len, "cannot create the real-time thread: %s",
+			 strerror(ret));
+		return -ret;
+	}
+	l->running = 1;
+	return 0;
+}
+
+/* A real-time thread that does not end in time is stuck in the kernel: leave it to the exit. */
+static void stop_thread(struct live *l)
+{
+	const struct timespec pause = {.tv_nsec = CLOCK_NS_PER_MS};
+
+	if (!l->running) {
+		return;
+	}
+
+	__atomic_store_n(&l->stop, 1, __ATOMIC_RELEASE);
+	for (int64_t t = 0; t < JOIN_NS && !__atomic_load_n(&l->stopped, __ATOMIC_ACQUIRE);
+	     t += CLOCK_NS_PER_MS) {
+		nanosleep(&pause, NULL);
+	}
+	if (!__atomic_load_n(&l->stopped, __ATOMIC_ACQUIRE)) {
+		service_log(SERVICE_ERROR, "STUCK",
+			    "the real-time thread does not end; leaving without it");
+		_exit(1);
+	}
+	pthread_join(l->thread, NULL);
+	l->running = 0;
+}
+
+static int open_mc(struct live *l, char *err, int err_len)
+{
+	enum publish_backend which;
+	const int ret = compute_open(l->cfg, MC_WORKER, &l->mc, &which, err, err_len);
+
+	if (!ret) {
+		pipeline_set_mc(l->pipeline, l->mc, which);
+	}
+	return ret;
+}
+
+static void close_mc(struct live *l)
+{
+	mc_close(l->mc);
+}
+
+/* After everything is allocated. */
+static int open_real_time(struct live *l, char *err, int err_len)
+{
+	const struct config *c = l->cfg;
+	int ret;
+
+	l->latency_fd = -1;
+	if (c->rt_policy == RT_OFF) {
+		return 0;
+	}
+	ret = refused(l, rt_lock_memory(err, err_len), err);
+	ret = ret ? ret
+		  : refused(l,
+			    rt_thread(mc_thread(l->mc), "compute thread",
+				      (int)c->rt_compute_priority, (int)c->rt_compute_cpu, err,
+				      err_len),
+			    err);
+	ret = ret ? ret
+		  : refused(l,
+			    rt_thread(l->thread, "real-time thread", (int)c->rt_priority,
+				      (int)c->rt_cpu, err, err_len),
+			    err);
+	if (!ret) {
+		l->latency_fd = rt_latency_open(err, err_len);
+		ret = refused(l, l->latency_fd < 0 ? l->latency_fd : 0, err);
+	}
+	return ret;
+}
+
+static void close_real_time(struct live *l)
+{
+	if (l->latency_fd >= 0) {
+		close(l->latency_fd);
+	}
+}
+
+/* Nothing to open; closed first, so that the real-time thread ends before what it uses. */
+static int open_nothing(struct live *l, char *err, int err_len)
+{
+	(void)l;
+	(void)err;
+	(void)err_len;
+	return 0;
+}
+
+/* Each needs those above it. */
+static const struct room {
+	int (*open)(struct live *l, char *err, int err_len);
+	void (*close)(struct live *l);
+} rooms[] = {
+	{open_signals, close_signals},
+	{open_control, close_control},
+	{open_bus, close_bus},
+	{open_recorder, close_recorder},
+	{open_pipeline, close_pipeline},
+	{open_thread, stop_thread},
+	{open_mc, close_mc},
+	{open_real_time, close_real_time},
+	{open_nothing, stop_thread},
+};
+
+#define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))
+
+int live_run(const struct config *cfg, const struct mapping *map,
+	     int (*reload)(void *arg, struct config *cfg, char *err, int err_len), void *arg,
+	     char *err, int err_len)
+{
+	struct live *l = calloc(1, sizeof(*l));
+	int n = 0, ret = l ? 0 : -ENOMEM;
+
+	if (!l) {
+		snprintf(err, (size_t)err_len, "out of memory");
+		return ret;
+	}
+	l->cfg = cfg;
+	l->map = map;
+	l->active[0] = *cfg;
+	l->reload = reload;
+	l->reload_arg = arg;
+	for (; n < ROOMS && !ret; n++) {
+		ret = rooms[n].open(l, err, err_len);
+	}
+	if (ret) {
+		n--; /* the room that failed has closed itself */
+	} else {
+		ret = housekeeping_run(l, err, err_len);
+	}
+	while (n > 0) {
+		rooms[--n].close(l);
+	}
+	free(l);
+	return ret;
+}

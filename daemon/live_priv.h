@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT
+ * What live.c and housekeeping.c share.
+ */
+#ifndef AEBMC_LIVE_PRIV_H
+#define AEBMC_LIVE_PRIV_H
+
+#include <pthread.h>
+
+#include "control.h"
+#include "live.h"
+#include "recorder.h"
+#include "ring.h"
+#include "status.h"
+
+struct live {
+	const struct config *cfg; /* as started with */
+	const struct mapping *map;
+	struct config active[2]; /* the one in use, and the one a reload fills */
+	int which;
+	int (*reload)(void *arg, struct config *cfg, char *err, int err_len);
+	void *reload_arg;
+
+	struct bus *bus;
+	struct mc *mc;
+	struct recorder *recorder;
+	struct control *control;
+	struct pipeline *pipeline;
+	struct ring *snapshots; /* struct status: written by the real-time thread */
+	int latency_fd;
+
+	pthread_t thread;
+	int running; /* the real-time thread exists */
+	int stop;    /* atomic: it should end */
+	int stopped; /* atomic: it has ended */
+	int error;   /* why it ended by itself, -errno */
+
+	int signal_fd, ready;
+	struct status_link link[BUS_IFACES_MAX];
+	struct status seen; /* last snapshot read */
+	int64_t fed_ns;     /* when the watchdog was last fed */
+	uint64_t fed_steps, fed_confirmed;
+	uint32_t logged_fault;
+	int logged_state, logged_level;
+};
+
+/** housekeeping_run - everything that may block, until a signal or an error ends the daemon. 0 or -errno, @err says why. */
+int housekeeping_run(struct live *l, char *err, int err_len);
+
+/** housekeeping_answer - one command of the status socket. For control_open(). */
+void housekeeping_answer(void *arg, const char *command, char *reply, size_t size);
+
+#endif

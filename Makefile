@@ -4,6 +4,7 @@
 #   make check      every test without an emulator    make deps    name (and as root install) the packages
 #   V=1 shows commands, WERROR=1 makes warnings errors, CC=clang changes the compiler.
 
+MAKEFLAGS += --no-builtin-rules
 VERSION := 0.1.0
 O       ?= build
 ifeq ($(origin CC),default)

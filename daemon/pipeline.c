@@ -119,7 +119,7 @@ static void submit(struct pipeline *p)
 static void evaluate(struct pipeline *p)
 {
 	p->waiting = 0;
-	if (p->mc && pipeline_trusted(p) && p->scene.ego_valid && p->scene.lead_valid) {
+	if (pipeline_trusted(p) && p->scene.ego_valid && p->scene.lead_valid) {
 		submit(p);
 	} else {
 		decide(p, &p->scene, NULL);

@@ -49,7 +49,8 @@ static struct world {
 	double risk[FUTURES];
 	uint32_t n, res_flags;
 	uint64_t cut_seen; /* atomic */
-	int run_error, wrong_hash, runs;
+	int run_error, wrong_hash;
+	int runs;    /* atomic */
 	int block;   /* atomic: run() waits for a permit, or until cut */
 	int permits; /* atomic */
 	int deaf;    /* run() ignores the cut */
@@ -235,7 +236,7 @@ static int fake_run(struct mc_backend *b, const struct mc_request *req, const ui
 	int was_cut = wait_while_blocked(req->id, cut);
 
 	(void)b;
-	w.runs++;
+	__atomic_add_fetch(&w.runs, 1, __ATOMIC_RELAXED);
 	*res = (struct mc_result){.id = req->id,
 				  .req_hash = mc_request_hash(req) + (uint64_t)w.wrong_hash,
 				  .n = was_cut ? 1 : w.n,
@@ -303,6 +304,18 @@ static void dangerous_scene(void)
 	}
 }
 
+static struct pipeline_open options(int64_t (*clock)(void))
+{
+	return (struct pipeline_open){.cfg = &w.cfg,
+				      .bus = &w.bus,
+				      .mc = w.mc,
+				      .backend = PUBLISH_BACKEND_CPU,
+				      .clock = clock,
+				      .on_cycle = on_cycle,
+				      .on_change = on_change,
+				      .arg = &w};
+}
+
 static void begin(const struct bus_ops *ops, int worker, int64_t (*clock)(void))
 {
 	const struct mc_params params = {.n_resident = 256, .threads = 1};
@@ -321,16 +334,16 @@ static void begin(const struct bus_ops *ops, int worker, int64_t (*clock)(void))
 	config_defaults(&w.cfg);
 	assert_non_null(out);
 	assert_int_equal(mc_open(&fake_ops, &params, worker, &w.mc), 0);
-	const struct pipeline_open o = {.cfg = &w.cfg,
-					.bus = &w.bus,
-					.mc = w.mc,
-					.backend = PUBLISH_BACKEND_CPU,
-					.clock = clock,
-					.on_cycle = on_cycle,
-					.on_change = on_change,
-					.arg = &w};
+	const struct pipeline_open o = options(clock);
 
 	assert_int_equal(pipeline_open(&o, &w.p), 0);
+}
+
+/* The same world with other options. */
+static void reopen(const struct pipeline_open *o)
+{
+	pipeline_close(w.p);
+	assert_int_equal(pipeline_open(o, &w.p), 0);
 }
 
 static void end(void)
@@ -935,6 +948,137 @@ static void test_deaf_worker_is_stuck(void **arg)
 	end();
 }
 
+/* ---- what other threads hand over ------------------------------------------------------------------------------ */
+
+static void test_backend_comes_late(void **arg)
+{
+	(void)arg;
+	begin(&live_ops, 1, NULL);
+	struct pipeline_open o = options(NULL);
+
+	o.mc = NULL;
+	w.watched_fd = -1;
+	reopen(&o);
+	run_scans(10);
+	request_is("INIT", "none", "none");
+	assert_false(has_risk());
+	run_scans(12);
+	assert_int_equal(reasons(), FAULT_BIT(STARTING));
+	assert_int_equal(w.watched_fd, -1);
+	pipeline_set_mc(w.p, w.mc, PUBLISH_BACKEND_GPU);
+	run_scans(13);
+	request_is("ARMED", "none", "none");
+	assert_int_equal(w.watched_fd, mc_eventfd(w.mc));
+	run_scans(20);
+	assert_int_equal(raw(last(PUBLISH_STATUS), AEB_STATUS_BACKEND), AEB_STATUS_BACKEND_GPU);
+	end();
+}
+
+/* The batch of a backend that is replaced is never waited for. */
+static void test_backend_is_replaced(void **arg)
+{
+	const struct mc_params params = {.n_resident = 256, .threads = 1};
+	struct mc *other = NULL;
+
+	(void)arg;
+	begin(&log_ops, 1, NULL);
+	assert_int_equal(mc_open(&fake_ops, &params, 0, &other), 0);
+	__atomic_store_n(&w.block, 1, __ATOMIC_RELEASE);
+	w.deaf = 1;
+	run_scans(3);
+	assert_int_equal(pipeline_stats(w.p)->evaluations, 0);
+	let_one_pass(); /* the result lies ready, but is not asked for */
+	__atomic_store_n(&w.block, 0, __ATOMIC_RELEASE);
+	pipeline_set_mc(w.p, other, PUBLISH_BACKEND_CPU);
+	run_scans(6);
+	assert_true(pipeline_stats(w.p)->evaluations >= 3);
+	assert_int_equal(w.cycle.scene.scan, 6);
+	end();
+	mc_close(other);
+}
+
+static void test_arming(void **arg)
+{
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	struct pipeline_open o = options(NULL);
+
+	o.needs_arm = 1;
+	reopen(&o);
+	dangerous_scene();
+	run_scans(10);
+	request_is("BRAKE", "full", "none"); /* decided, not asked for */
+	assert_int_equal(raw(last(PUBLISH_REQUEST), AEB_REQUEST_DECEL), 0);
+	assert_false(pipeline_armed(w.p));
+	pipeline_arm(w.p, 1);
+	run_scans(11);
+	run_to(w.now_ns + PERIOD);
+	request_is("BRAKE", "full", "brake");
+	assert_true(pipeline_armed(w.p));
+	pipeline_arm(w.p, 0);
+	run_to(w.now_ns + PERIOD);
+	request_is("BRAKE", "full", "none");
+	pipeline_arm(w.p, 1);
+	w.scene.fault = FAULT_BIT(MEMORY);
+	run_to(w.now_ns + 100 * MS);
+	request_is("FAULT", "none", "none");
+	assert_false(pipeline_armed(w.p));
+	end();
+}
+
+static void test_quiet_sends_nothing(void **arg)
+{
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	struct pipeline_open o = options(NULL);
+
+	o.quiet = 1;
+	reopen(&o);
+	dangerous_scene();
+	run_scans(10);
+	assert_int_equal(w.n_out, 0);
+	assert_int_equal(pipeline_stats(w.p)->sent, 0);
+	assert_int_equal(pipeline_stats(w.p)->evaluations, 10);
+	assert_int_equal(pipeline_now(w.p)->dec.level, LEVEL_FULL);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_BRAKE);
+	end();
+}
+
+static void test_new_configuration(void **arg)
+{
+	struct config other;
+
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	dangerous_scene();
+	w.risk[FUTURE_DEFER] = 0.3;
+	other = w.cfg;
+	other.decision_p_defer = 0.2;
+	w.cfg.decision_p_defer = 0.4;
+	run_scans(10);
+	request_is("ARMED", "warn", "none");
+	pipeline_mark(w.p); /* without a recorder: nothing */
+	pipeline_set_config(w.p, &other);
+	run_scans(11);
+	request_is("BRAKE", "full", "brake");
+	end();
+}
+
+static void test_last_frames(void **arg)
+{
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	dangerous_scene();
+	run_scans(10);
+	request_is("BRAKE", "full", "brake");
+	pipeline_finish(w.p);
+	request_is("INHIBIT", "none", "none");
+	assert_false(has_risk());
+	assert_int_equal(raw(last(PUBLISH_REQUEST), AEB_REQUEST_TTL), 0);
+	assert_int_equal(raw(last(PUBLISH_STATUS), AEB_STATUS_STATE), AEB_STATUS_STATE_INHIBIT);
+	end();
+}
+
 /* ---- times ------------------------------------------------------------------------------------------------------ */
 
 static const struct bus_frame *last_times(void)
@@ -1091,6 +1235,12 @@ int main(void)
 		cmocka_unit_test(test_old_result_is_late),
 		cmocka_unit_test(test_deadline_cuts_the_batch),
 		cmocka_unit_test(test_deaf_worker_is_stuck),
+		cmocka_unit_test(test_backend_comes_late),
+		cmocka_unit_test(test_backend_is_replaced),
+		cmocka_unit_test(test_arming),
+		cmocka_unit_test(test_quiet_sends_nothing),
+		cmocka_unit_test(test_new_configuration),
+		cmocka_unit_test(test_last_frames),
 		cmocka_unit_test(test_no_clock_no_times),
 		cmocka_unit_test(test_clock_stamps_the_edges),
 		cmocka_unit_test(test_stage_miss),

@@ -116,6 +116,16 @@ static int bad_weights(const struct config *c)
 	       0.0;
 }
 
+static int bad_mass_floor(const struct config *c)
+{
+	return c->vehicle_mass_floor > c->vehicle_mass;
+}
+
+static int bad_mu_floor(const struct config *c)
+{
+	return c->road_mu_floor > c->road_mu;
+}
+
 static int bad_partial(const struct config *c)
 {
 	return c->brake_accel_partial < c->brake_accel;
@@ -129,6 +139,11 @@ static int bad_release(const struct config *c)
 static int bad_speeds(const struct config *c)
 {
 	return c->decision_speed_min >= c->decision_speed_max;
+}
+
+static int bad_priority(const struct config *c)
+{
+	return c->rt_compute_priority >= c->rt_priority;
 }
 
 static int bad_gap(const struct config *c)
@@ -163,6 +178,8 @@ static const struct check {
 } checks[] = {
 	{"mc", "target", bad_target, "longer than mc.budget; lower it"},
 	{"lead", "hold_weight", bad_weights, "all four weights of [lead] are 0; give one a weight"},
+	{"vehicle", "mass_floor", bad_mass_floor, "above vehicle.mass; lower it"},
+	{"road", "mu_floor", bad_mu_floor, "above road.mu; lower it"},
 	{"brake", "accel_partial", bad_partial,
 	 "brakes harder than brake.accel; raise it towards 0"},
 	{"decision", "p_release", bad_release,
@@ -170,6 +187,7 @@ static const struct check {
 	{"decision", "speed_min", bad_speeds, "not below decision.speed_max; lower it"},
 	{"radar", "scan_gap", bad_gap,
 	 "not shorter than radar.period, scans would run together; lower it"},
+	{"rt", "compute_priority", bad_priority, "not below rt.priority; lower it"},
 	{"bus", "interfaces", bad_interfaces,
 	 "must be 1 to 8 different names of up to 15 characters"},
 	{"bus", "out_interface", bad_out,

@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define CONF_DIR_PATH 128
+#define CONF_DIR_PATH 256
 
 /* conf_dir_open - a new directory into @dir */
 static inline void conf_dir_open(char dir[CONF_DIR_PATH])

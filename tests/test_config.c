@@ -96,6 +96,9 @@ static const struct {
 	{"[mc]\nbudget = 19\n", ": mc.target: longer than mc.budget"},
 	{"[lead]\nhold_weight = 0\ndecay_weight = 0\nharder_weight = 0\nease_weight = 0\n",
 	 ":2: lead.hold_weight: all four weights of [lead] are 0"},
+	{"[vehicle]\nmass_floor = 1501\n", ":2: vehicle.mass_floor: above vehicle.mass"},
+	{"[road]\nmu = 0.3\nmu_floor = 0.31\n", ":3: road.mu_floor: above road.mu"},
+	{"[rt]\npriority = 60\n", ": rt.compute_priority: not below rt.priority"},
 	{"[brake]\naccel_partial = -7\n",
 	 ":2: brake.accel_partial: brakes harder than brake.accel"},
 	{"[decision]\np_release = 0.6\n", ":2: decision.p_release: above decision.p_nobody"},
@@ -372,7 +375,9 @@ static void hash_sees_every_change(void **state)
 		assert_int_equal(config_hash(&c, NULL) != hash, config_rows[i].hashed);
 		unhashed += !config_rows[i].hashed;
 	}
-	assert_int_equal(unhashed, 14); /* mc.backend, mc.threads, dbc.file; what concerns this machine alone */
+	assert_int_equal(
+		unhashed,
+		14); /* mc.backend, mc.threads, dbc.file; what concerns this machine alone */
 }
 
 static void minus_zero_is_zero(void **state)

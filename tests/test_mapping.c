@@ -250,6 +250,22 @@ static void too_many_messages(void **state)
 		strstr(err, ":6: signal distance.from: signals from more than 64 messages"));
 }
 
+/* The database's absolute path is an option like others, and must fit. */
+static void long_path(void **state)
+{
+	char name[251], text[512], path[2 * CONF_DIR_PATH], err[1024];
+	struct mapping *m;
+	struct config c;
+
+	(void)state;
+	memset(name, 'x', sizeof(name) - 1);
+	name[sizeof(name) - 1] = '\0';
+	conf_dir_write(dir, name, dbc, sizeof(dbc) - 1, path);
+	snprintf(text, sizeof(text), "[dbc]\nfile = %s\n", name);
+	assert_int_equal(load(text, &c, &m, err), -EINVAL);
+	assert_non_null(strstr(err, "is longer than 255 characters; move it"));
+}
+
 static void roles_are_filled(void **state)
 {
 	static const char text[] =
@@ -385,9 +401,13 @@ static int teardown(void **state)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(errors_are_named),      cmocka_unit_test(too_many_messages),
-		cmocka_unit_test(roles_are_filled),      cmocka_unit_test(flags_and_shares),
-		cmocka_unit_test(ours_may_be_elsewhere), cmocka_unit_test(ranges_keep_their_width),
+		cmocka_unit_test(errors_are_named),
+		cmocka_unit_test(too_many_messages),
+		cmocka_unit_test(long_path),
+		cmocka_unit_test(roles_are_filled),
+		cmocka_unit_test(flags_and_shares),
+		cmocka_unit_test(ours_may_be_elsewhere),
+		cmocka_unit_test(ranges_keep_their_width),
 	};
 
 	return cmocka_run_group_tests(tests, setup, teardown);

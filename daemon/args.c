@@ -6,6 +6,7 @@
 #include <stdio.h>
 
 #include "args.h"
+#include "version.h"
 
 enum {
 	KEY_CHECK = 0x100,
@@ -21,7 +22,8 @@ static const struct argp_option options[] = {
 	{"config", KEY_CONFIG, "FILE", 0,
 	 "configuration of the car: options, CAN database, mapping", 1},
 	{"set", KEY_SET, "NAME=VALUE", 0, "override one option of the file; may be given again", 1},
-	{"log", KEY_LOG, "IN", 0, "run on a candump log, - for standard input", 1},
+	{"log", KEY_LOG, "IN", 0,
+	 "run on a candump log, - for standard input, instead of live on the buses", 1},
 	{"out", KEY_OUT, "OUT", 0, "write our frames as a candump log, - for standard output", 1},
 	{"check-config", KEY_CHECK, "FILE", 0, "is this configuration valid? Needs no hardware", 2},
 	{"print-config", KEY_PRINT_CONFIG, NULL, 0,
@@ -71,9 +73,10 @@ static error_t check_args(const struct args *a, const struct argp_state *st)
 		return bad_usage(st,
 				 "--config FILE is needed: it says which signals the car sends");
 	}
-	return a->log ? 0
-		      : bad_usage(st, "--log IN is needed: a file from candump -L, or - for "
-				      "standard input");
+	if (a->out && !a->log) {
+		return bad_usage(st, "--out is for running on a log; live, frames go to the bus");
+	}
+	return 0;
 }
 
 static error_t parse(int key, char *arg, struct argp_state *st)
@@ -120,7 +123,7 @@ static const struct argp argp = {
 	NULL,
 	NULL,
 	NULL};
-const char *argp_program_version = "aebmcd 0.1.0";
+const char *argp_program_version = "aebmcd " AEBMC_VERSION;
 
 int args_parse(int argc, char **argv, struct args *a)
 {

@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include "clock.h"
-#include "compute.h"
+#include "engine.h"
 #include "rt.h"
 #include "service.h"
 
@@ -269,7 +269,7 @@ static void stop_thread(struct live *l)
 static int open_mc(struct live *l, char *err, int err_len)
 {
 	enum publish_backend which;
-	const int ret = compute_open(l->cfg, MC_WORKER, &l->mc, &which, err, err_len);
+	const int ret = engine_open(l->cfg, MC_WORKER, &l->mc, &which, err, err_len);
 
 	if (!ret) {
 		pipeline_set_mc(l->pipeline, l->mc, which);

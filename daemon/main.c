@@ -10,9 +10,10 @@
 
 #include "args.h"
 #include "bus.h"
+#include "engine.h"
 #include "config.h"
+#include "live.h"
 #include "mapping.h"
-#include "mc_ops.h"
 #include "pipeline.h"
 
 enum exit_code { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_CONFIG = 78 };
@@ -85,6 +86,7 @@ struct daemon {
 	struct mapping *map;
 	struct bus *bus;
 	struct mc *mc;
+	enum publish_backend backend;
 	struct pipeline *pipeline;
 };
 
@@ -118,22 +120,7 @@ static void close_bus(struct daemon *d)
 /* On a log the batches run inline: results must not depend on how fast this machine is. */
 static int open_mc(struct daemon *d, char *err, int err_len)
 {
-	struct mc_params p = {
-		.kind = (enum mc_draws_kind)d->cfg.mc_draws,
-		.seed = (uint64_t)d->cfg.mc_seed,
-		.n_resident = (uint32_t)d->cfg.mc_samples,
-		.threads = (uint32_t)d->cfg.mc_threads,
-	};
-	int rc;
-
-	for (int i = 0; i < MODEL_INPUTS; i++) {
-		p.truncate[i] = (float)d->cfg.mc_truncate;
-	}
-	rc = mc_open(&mc_cpu_ops, &p, 0, &d->mc);
-	if (rc) {
-		snprintf(err, (size_t)err_len, "cannot open the CPU backend: %s", strerror(-rc));
-	}
-	return rc;
+	return engine_open(&d->cfg, MC_INLINE, &d->mc, &d->backend, err, err_len);
 }
 
 static void close_mc(struct daemon *d)
@@ -143,11 +130,8 @@ static void close_mc(struct daemon *d)
 
 static int open_pipeline(struct daemon *d, char *err, int err_len)
 {
-	const struct pipeline_open o = {.cfg = &d->cfg,
-					.map = d->map,
-					.bus = d->bus,
-					.mc = d->mc,
-					.backend = PUBLISH_BACKEND_CPU};
+	const struct pipeline_open o = {
+		.cfg = &d->cfg, .map = d->map, .bus = d->bus, .mc = d->mc, .backend = d->backend};
 	int rc = pipeline_open(&o, &d->pipeline);
 
 	if (rc) {
@@ -204,7 +188,7 @@ static int loop(struct daemon *d)
 	return fail(EXIT_FAILED, err);
 }
 
-static int run(const struct args *a)
+static int run_log(const struct args *a)
 {
 	struct daemon d = {.args = a};
 	char err[1024] = "";
@@ -223,6 +207,42 @@ static int run(const struct args *a)
 		rooms[--n].close(&d);
 	}
 	return code;
+}
+
+/* ---- running live ---- */
+
+/* The mapping is wired in at start: a reload reads it to see that it is valid, no more. */
+static int reload(void *arg, struct config *cfg, char *err, int err_len)
+{
+	const struct args *a = arg;
+	struct mapping *map;
+	int rc = config_load(a->config, a->set, a->n_set, cfg, &map, err, err_len);
+
+	if (!rc) {
+		config_mapping_free(map);
+	}
+	return rc;
+}
+
+static int run_live(const struct args *a)
+{
+	struct args copy = *a;
+	struct config cfg;
+	struct mapping *map;
+	char err[1024] = "";
+	int rc;
+
+	if (config_load(a->config, a->set, a->n_set, &cfg, &map, err, sizeof(err))) {
+		return fail(EXIT_CONFIG, err);
+	}
+	rc = live_run(&cfg, map, reload, &copy, err, sizeof(err));
+	config_mapping_free(map);
+	return rc ? fail(EXIT_FAILED, err) : EXIT_GOOD;
+}
+
+static int run(const struct args *a)
+{
+	return a->log ? run_log(a) : run_live(a);
 }
 
 int main(int argc, char **argv)

@@ -57,6 +57,11 @@ int pipeline_armed(const struct pipeline *p)
 	return __atomic_load_n(&p->arm, __ATOMIC_ACQUIRE);
 }
 
+void pipeline_raise(struct pipeline *p, uint32_t fault)
+{
+	__atomic_fetch_or(&p->outside, fault, __ATOMIC_ACQ_REL);
+}
+
 void pipeline_mark(struct pipeline *p)
 {
 	__atomic_store_n(&p->mark, 1, __ATOMIC_RELEASE);

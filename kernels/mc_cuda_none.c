@@ -11,6 +11,11 @@ static int none_open(const struct mc_params *p, struct mc_backend **ret)
 	return -ENOTSUP;
 }
 
+static void none_close(struct mc_backend *b)
+{
+	(void)b;
+}
+
 int mc_cuda_info(const struct mc_backend *b, struct mc_cuda_info *ret)
 {
 	(void)b;
@@ -30,4 +35,4 @@ int mc_cuda_time(struct mc_backend *b, enum mc_cuda_rung rung, const struct mc_r
 	return -ENOTSUP;
 }
 
-const struct mc_ops mc_cuda_ops = {.name = "cuda", .open = none_open};
+const struct mc_ops mc_cuda_ops = {.name = "cuda", .open = none_open, .close = none_close};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Backends in the order they are tried. See compute.h.
+ * Backends in the order they are tried. See engine.h.
  */
-#include "compute.h"
+#include "engine.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -35,7 +35,7 @@ static struct mc_params params_of(const struct config *cfg)
 	return p;
 }
 
-int compute_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
+int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
 		 enum publish_backend *which, char *err, int err_len)
 {
 	const struct mc_params p = params_of(cfg);

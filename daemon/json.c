@@ -5,7 +5,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
-#include "cli.h"
+#include "version.h"
 
 struct json json_start(FILE *out)
 {
@@ -102,5 +102,5 @@ void json_head(struct json *j, const char *name)
 	snprintf(schema, sizeof(schema), "aebmc.%s.1", name);
 	json_open(j, NULL, '{');
 	json_str(j, "schema", schema);
-	json_str(j, "version", CLI_VERSION);
+	json_str(j, "version", AEBMC_VERSION);
 }

@@ -459,10 +459,10 @@ static void test_words(void **arg)
 		"AEB_RISK: risk if braking waits at least 0 %, at most 0.01875 %, impact speed not "
 		"available, evaluation 45");
 	f = pack(p, PUBLISH_MARGIN, &in);
-	words_are(
-		p, &f,
-		"AEB_MARGIN: risk if the driver brakes 60 %, if nobody does 98 %, headway for 5 % "
-		"risk 41.3 m, time to collision 6 s, evaluation 45");
+	words_are(p, &f,
+		  "AEB_MARGIN: risk if the driver brakes at most 60 %, if nobody does at most 98 "
+		  "%, headway for 5 % "
+		  "risk 41.3 m, time to collision 6 s, evaluation 45");
 	in.fault = FAULT_BIT(EGO_STALE) | FAULT_BIT(MC_LATE);
 	f = pack(p, PUBLISH_STATUS, &in);
 	words_are(p, &f,

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * The table of drives, the cars' motion and their noise. Which frames come of it is in drive_run.c.
+ * The table of drives and the cars' motion. Which frames come of it is in drive_run.c.
  */
 #include <string.h>
 #include "drive.h"
-#include "normal.h"
 
 #define STEP_S    0.001
 #define JERK_MPS3 10.0 /* a hard pedal: 0.5 g within half a second */
@@ -145,27 +144,4 @@ void drive_step(const struct drive *d, struct drive_truth *w)
 		c->gap_m += (before + c->speed_mps - ego_before - w->ego.speed_mps) / 2 * STEP_S;
 		c->lateral_m = lateral(&d->target[i], w->t_s);
 	}
-}
-
-/* ---- noise ---------------------------------------------------------------------------------- */
-
-static uint32_t next_bits(struct drive_noise *r)
-{
-	uint32_t ctr[4] = {(uint32_t)r->n, (uint32_t)(r->n >> 32), 0, 0};
-
-	r->n++;
-	normal_philox(ctr, (uint32_t)r->seed, (uint32_t)(r->seed >> 32));
-	return ctr[0];
-}
-
-double drive_uniform(struct drive_noise *r)
-{
-	return (double)normal_uniform(next_bits(r));
-}
-
-double drive_normal(struct drive_noise *r)
-{
-	const struct normal_cut none = {.scale = 1, .limit = NORMAL_MAX_SIGMA + 1};
-
-	return (double)normal_from_bits(next_bits(r), &none);
 }

@@ -80,13 +80,4 @@ int drive_run(const struct drive *d, const struct config *cfg, const struct mapp
 
 #define DRIVE_START_NS 100000000000LL
 
-/* Reproducible noise: the @n'th number of a seed. */
-struct drive_noise {
-	uint64_t seed, n;
-};
-
-/** drive_uniform, drive_normal - in [0, 1); standard normal. */
-double drive_uniform(struct drive_noise *r);
-double drive_normal(struct drive_noise *r);
-
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 #include "clock.h"
 #include "drive.h"
+#include "noise.h"
 
 #define HISTORY_MS      512                    /* longer than any latency */
 #define SLOTS_PER_MS    3                      /* how fast a scan's frames follow each other */
@@ -18,7 +19,7 @@ struct run {
 	const struct mapping *map;
 	const struct drive_options *opt;
 	struct encode encode;
-	struct drive_noise noise;
+	struct noise noise;
 	struct drive_truth now, history[HISTORY_MS];
 	int64_t t_ns;
 	int64_t due_ns[MAP_MESSAGES_MAX]; /* of ego messages */
@@ -73,7 +74,7 @@ static int send_message(struct run *r, int message, uint32_t roles, const double
 static int send_ego(struct run *r, int message)
 {
 	const struct map_message *m = &r->map->message[message];
-	const double noise = r->cfg->filter_ego_sigma * drive_normal(&r->noise);
+	const double noise = r->cfg->filter_ego_sigma * noise_normal(&r->noise);
 	const double value[MAP_ROLES] = {
 		[MAP_EGO_SPEED] = r->now.ego.speed_mps + noise,
 		[MAP_DRIVER_BRAKE] = r->now.ego.accel_mps2 < BRAKING_MPS2,
@@ -119,8 +120,8 @@ static int single_target(const struct run *r, const struct drive_truth *w)
 /* The slot a target is reported in; now and then it moves to a free one. Sets *@fresh when it is new there. */
 static int pick_slot(struct run *r, int target, int *fresh)
 {
-	const int stays = drive_uniform(&r->noise) >= MOVE_SHARE;
-	const int slot = (int)(drive_uniform(&r->noise) * r->map->n_tracks);
+	const int stays = noise_uniform(&r->noise) >= MOVE_SHARE;
+	const int slot = (int)(noise_uniform(&r->noise) * r->map->n_tracks);
 
 	*fresh = r->slot[target] < 0;
 	if (r->slot[target] < 0 || (!stays && !r->filled[slot])) {
@@ -138,8 +139,8 @@ static void report(struct run *r, const struct drive_truth *w, int target)
 {
 	const struct config *c = r->cfg;
 	const struct drive_car *car = &w->target[target];
-	const double a = drive_normal(&r->noise), b = drive_normal(&r->noise);
-	const double l = drive_normal(&r->noise);
+	const double a = noise_normal(&r->noise), b = noise_normal(&r->noise);
+	const double l = noise_normal(&r->noise);
 	struct detection det = {
 		.distance_m = car->gap_m + c->radar_range_sigma * a,
 		.rate_mps = car->speed_mps - w->ego.speed_mps + c->radar_rate_sigma * b,
@@ -147,7 +148,7 @@ static void report(struct run *r, const struct drive_truth *w, int target)
 		.existence = 0.99,
 	};
 
-	if (drive_uniform(&r->noise) < r->opt->dropout) {
+	if (noise_uniform(&r->noise) < r->opt->dropout) {
 		return;
 	}
 	const int slot = r->map->n_tracks > 1 ? pick_slot(r, target, &det.fresh) : 0;

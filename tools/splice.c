@@ -44,7 +44,7 @@ static void look(struct splice *s)
 	const double ago = c->radar_latency;
 	const double accel = (s->lead_mps > 0 ? SPLICE_ACCEL_MPS2 : 0) - s->ego_mps2;
 	const double rate = s->lead_mps - s->ego_mps;
-	const double a = drive_normal(&s->noise), b = drive_normal(&s->noise);
+	const double a = noise_normal(&s->noise), b = noise_normal(&s->noise);
 	const double distance =
 		s->gap_m - rate * ago + accel * ago * ago / 2 + c->radar_range_sigma * a;
 

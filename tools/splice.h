@@ -7,6 +7,7 @@
 
 #include "drive.h"
 #include "estimator.h"
+#include "noise.h"
 
 #define SPLICE_ACCEL_MPS2 (-0.5 * 9.81)
 
@@ -15,7 +16,7 @@ struct splice {
 	const struct mapping *map;
 	struct estimator *recorded; /* follows the recorded lead, from which ours takes over */
 	struct decode decode;
-	struct drive_noise noise;
+	struct noise noise;
 	double at_s;      /* when, from the first frame */
 	int64_t first_ns; /* of the first frame */
 	int scans;        /* since our lead took over; 0: not yet */

@@ -87,6 +87,7 @@ static void pack(const struct dbc_message *m, int physical, char *words)
 
 static int driver(const char *path)
 {
+	setvbuf(stdout, NULL, _IOLBF, 0);
 	static char line[65536];
 	struct dbc *dbc;
 	char err[256], what[16], name[DBC_NAME_MAX + 1];

@@ -72,12 +72,11 @@ refuses 2 "$d"
 refuses 2 "$d" --nosuch
 refuses 2 "$d" argument
 refuses 2 "$d" --config
-refuses 2 "$d" --config $cars/generic.conf
 refuses 2 "$d" --log /dev/null
 refuses 2 "$d" --check-config $cars/generic.conf --print-config
 refuses 2 "$d" --check-config $cars/generic.conf --log /dev/null
 # shellcheck disable=SC2046 # 65 words
-refuses 2 "$d" --print-config $(yes -- --set=road.mu=1 | head -n 65)
+exits "65 times --set" 2 "$d" --print-config $(yes -- --set=road.mu=1 | head -n 65)
 exits "--help" 0 "$d" --help
 like "--help lists every option" "$tmp/out" "^  decision.p_defer "
 like "--help tells exit codes" "$tmp/out" "78 bad configuration"

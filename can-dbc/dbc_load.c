@@ -31,6 +31,11 @@ static void skip_line(struct loader *ld, const char *word)
 	lex_skip_line(&ld->lx);
 }
 
+static void skip_string(struct loader *ld, const char *word)
+{
+	lex_string(&ld->lx, word);
+}
+
 /* NS_ lists the names of statements: up to the one that must follow it. */
 static void skip_symbols(struct loader *ld, const char *word)
 {
@@ -55,7 +60,7 @@ static const struct {
 	const char *word;
 	void (*read)(struct loader *ld, const char *word);
 } statements[] = {
-	{"VERSION", skip_line},
+	{"VERSION", skip_string},
 	{"NS_", skip_symbols},
 	{"BS_", skip_line},
 	{"BU_", skip_line},

@@ -138,7 +138,7 @@ static const struct dbc_signal *signal_of(const struct dbc *dbc, const char *msg
 }
 
 static const char full_text[] =
-	"\xEF\xBB\xBFVERSION \"1.0 \\\"beta\\\"\"\r\n"
+	"\xEF\xBB\xBFVERSION \"1.0\n\\\"beta\\\"\"\r\n"
 	"NS_ :\n\tNS_DESC_\n\tCM_\n\tBA_DEF_\n\tSG_MUL_VAL_\n\nBS_: 500000 : 1,2\nBU_: ECU1 ECU2\n"
 	"VAL_TABLE_ onoff 1 \"on\" 0 \"off\" ;\n\n"
 	"BO_ 291 PLAIN: 8 ECU1\n"

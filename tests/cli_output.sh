@@ -50,9 +50,10 @@ json "a moving lead has a time to collision of its own" "$tmp/out" \
 	'abs(j["ttc_s"]["0.05"] - j["headway_m"]["0.05"] / 10) < 1e-9'
 ok "curve --csv -" "$AEBMC" curve --samples 5000 --csv -
 like "CSV with units in the header" "$tmp/out" '^headway_m,risk,risk_lo,risk_hi,below_hi$'
+cp "$tmp/out" "$tmp/curve.csv"
 ok "CSV reads as numbers" python3 -c 'import csv, sys
 rows = list(csv.DictReader(open(sys.argv[1])))
-assert len(rows) > 20 and all(0 <= float(r["risk"]) <= 1 for r in rows)' "$tmp/out"
+assert len(rows) > 20 and all(0 <= float(r["risk"]) <= 1 for r in rows)' "$tmp/curve.csv"
 ok "converge --json" "$AEBMC" converge --json
 json "converge: ten rows of Table I" "$tmp/out" \
 	'[r["samples"] for r in j["rows"]] == [1000, 4000, 8000, 12000, 25000, 37000, 65000, 100000, 150000, 350000]'
@@ -84,22 +85,30 @@ like "replay: the brake request" "$tmp/out" '^ +[0-9.]+ s  FULL BRAKING requeste
 ok "decode in words" "$AEBMC" decode "$ours"
 like "decode: time, interface, words" "$tmp/out" '^[0-9]+\.[0-9]{6}  can[0-9]  '
 ok "replay --csv -" "$AEBMC" replay --config "$car" --csv - "$drive"
+is "and nothing else anywhere" "$(grep -vE '^(time_s|[0-9]+\.[0-9]{6}),' "$tmp/out" "$tmp/err")" ""
+cp "$tmp/out" "$tmp/replay.csv"
 ok "CSV: one row per evaluation, units in the names" python3 -c 'import csv, sys
 rows = list(csv.DictReader(open(sys.argv[1])))
 assert len(rows) > 50 and float(rows[-1]["time_s"]) > float(rows[0]["time_s"])
 for key in ("headway_m", "ego_speed_mps", "p_defer", "p_defer_lo", "p_defer_hi", "level", "state", "cause", "accel_request_mps2"):
-    assert key in rows[0], key' "$tmp/out"
+    assert key in rows[0], key' "$tmp/replay.csv"
 ok "replay --out -" "$AEBMC" replay --config "$car" --out - "$drive"
-ok "the same frames as into a file" cmp "$tmp/out" "$ours"
+cp "$tmp/out" "$tmp/stdout.log"
+ok "the same frames as into a file" cmp "$tmp/stdout.log" "$ours"
 
 # nowhere to write
 for sub in "curve --samples 1000" "curve --samples 1000 --json" "curve --samples 1000 --csv -" "converge" \
 	"verify --samples 100" "bench --rounds 1" "decode $ours" "decode --json $ours" "help" "help curve" "--version" \
 	"replay --config $car $drive" "replay --config $car --json $drive" "replay --config $car --csv - $drive" \
-	"replay --config $car --out - $drive" "replay --config $car --out /dev/full $drive" \
-	"replay --config $car --csv /dev/full $drive"; do
+	"replay --config $car --out - $drive"; do
 	# shellcheck disable=SC2086 # words
 	full "$AEBMC" $sub
+done
+for sub in "replay --out" "replay --csv" "curve --csv"; do
+	log=$(case $sub in replay*) echo "--config $car $drive" ;; esac)
+	# shellcheck disable=SC2086
+	exits "$sub into a full disk" 1 "$AEBMC" $sub /dev/full $log
+	is "$sub says so in one line" "$(cat "$tmp/err")" "aebmc ${sub% *}: /dev/full: No space left on device"
 done
 for sub in "curve --samples 1000 --csv -" "decode $ours" "replay --config $car --csv - $drive" \
 	"replay --config $car --out - $drive"; do
@@ -115,10 +124,13 @@ kill -INT $child
 wait $child
 is "curve ends on Ctrl-C with what it has" $? 1
 like "curve says so" "$tmp/out" '^Interrupted after [0-9]+ of 4000000000 samples'
-{ cat "$drive"; sleep 3; } | { "$AEBMC" replay --config "$car" --json - & echo $! >"$tmp/pid"; wait $!; } >"$tmp/out" 2>"$tmp/err" &
+mkfifo "$tmp/fifo"
+{ cat "$drive"; sleep 3; } >"$tmp/fifo" &
+"$AEBMC" replay --config "$car" --json "$tmp/fifo" >"$tmp/out" 2>"$tmp/err" &
 child=$!
-sleep 1.5
-kill -INT "$(cat "$tmp/pid")"
+sleep 2
+kill -INT $child
 wait $child
-json "replay ends on Ctrl-C with what it has" "$tmp/out" 'j["interrupted"] is True and j["frames"] > 0'
+is "replay ends on Ctrl-C" $? 1
+json "replay: with what it has" "$tmp/out" 'j["interrupted"] is True and j["frames"] > 0'
 done_testing

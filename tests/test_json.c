@@ -8,7 +8,8 @@
 #include <string.h>
 #include <math.h>
 #include <cmocka.h>
-#include "../tools/json.c"
+#include "json.h"
+#include "version.h"
 
 static char *text;
 static size_t size;
@@ -89,7 +90,7 @@ static void test_head(void **state)
 	(void)state;
 	json_head(&j, "curve");
 	json_close(&j, '}');
-	expect(&j, "{\"schema\":\"aebmc.curve.1\",\"version\":\"" CLI_VERSION "\"}\n");
+	expect(&j, "{\"schema\":\"aebmc.curve.1\",\"version\":\"" AEBMC_VERSION "\"}\n");
 }
 
 int main(void)

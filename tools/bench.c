@@ -6,7 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include "backend.h"
+#include "compute.h"
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
@@ -21,7 +21,7 @@
 #define SAMPLES     16384 /* what the daemon uses on a CPU */
 
 struct args {
-	struct backend_args backend;
+	struct compute_args compute;
 	int64_t samples, rounds;
 };
 
@@ -59,7 +59,7 @@ static const struct argp_option options[] = {
 	{"rounds", KEY_ROUNDS, "N", 0, "turns of each measurement (120)", 1},
 	{0},
 };
-static const struct argp_child children[] = {{&backend_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&compute_argp, 0, NULL, 0}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *st)
 {
@@ -67,7 +67,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 
 	switch (key) {
 	case ARGP_KEY_INIT:
-		st->child_inputs[0] = &a->backend;
+		st->child_inputs[0] = &a->compute;
 		return 0;
 	case 'n':
 		return cli_count(st, "--samples", arg, 1, 1u << 24, &a->samples);
@@ -76,7 +76,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case ARGP_KEY_ARG:
 		return cli_bad(st, "'%s': bench takes options alone", arg);
 	case ARGP_KEY_END:
-		return a->backend.params.threads == 1 ? 0 : cli_bad(st, "bench times one thread");
+		return a->compute.params.threads == 1 ? 0 : cli_bad(st, "bench times one thread");
 	default:
 		return ARGP_ERR_UNKNOWN;
 	}
@@ -258,7 +258,7 @@ static void write_json(const struct args *a, const struct bench *b)
 	char key[48];
 
 	json_head(&j, "bench");
-	backend_json(&j, &a->backend, b->ops->describe(b->b));
+	compute_json(&j, &a->compute, b->ops->describe(b->b));
 	json_uint(&j, "samples", (uint64_t)a->samples);
 	json_uint(&j, "rounds", b->rounds);
 	for (int i = 0; i < TIMED; i++) {
@@ -303,7 +303,7 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 {
 	int error = scenes(b, (uint32_t)a->samples);
 
-	error = error ? error : plain_inputs(b, &a->backend.params);
+	error = error ? error : plain_inputs(b, &a->compute.params);
 	cli_catch_interrupt();
 	error = error ? error : measure(b, (uint32_t)a->samples);
 	if (error) {
@@ -311,7 +311,7 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 				 error == -EINTR ? "interrupted" : strerror(-error));
 	}
 	sort_all(b);
-	if (a->backend.json) {
+	if (a->compute.json) {
 		write_json(a, b);
 	} else {
 		print_words(a, b);
@@ -321,15 +321,15 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 
 int cmd_bench(int argc, char **argv)
 {
-	struct args a = {backend_defaults(), SAMPLES, ROUNDS};
+	struct args a = {compute_defaults(), SAMPLES, ROUNDS};
 	struct bench b = {0};
 	const char *name = argv[0];
 
-	a.backend.params.threads = 1;
+	a.compute.params.threads = 1;
 	int code = cli_parse(&argp, argc, argv, &a);
 
-	a.backend.params.n_resident = (uint32_t)(a.samples > REF_SAMPLES ? a.samples : REF_SAMPLES);
-	code = code ? code : backend_open(name, &a.backend, &b.ops, &b.b);
+	a.compute.params.n_resident = (uint32_t)(a.samples > REF_SAMPLES ? a.samples : REF_SAMPLES);
+	code = code ? code : compute_open(name, &a.compute, &b.ops, &b.b);
 	if (code) {
 		return code;
 	}

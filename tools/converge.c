@@ -4,7 +4,7 @@
  */
 #include <math.h>
 #include <string.h>
-#include "backend.h"
+#include "compute.h"
 #include "cli.h"
 #include "cmd.h"
 
@@ -26,7 +26,7 @@ struct row {
 	double mean_m, sd_m, mean_se_m, sd_se_m; /* standard errors for independent samples */
 };
 
-static const struct argp_child children[] = {{&backend_argp, 0, NULL, 0}, {0}};
+static const struct argp_child children[] = {{&compute_argp, 0, NULL, 0}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *st)
 {
@@ -99,12 +99,12 @@ static double z_of(double ours, double paper, double se)
 	return (ours - paper) / (sqrt(2) * se);
 }
 
-static void write_json(const struct backend_args *a, const char *variant, const struct row *rows)
+static void write_json(const struct compute_args *a, const char *variant, const struct row *rows)
 {
 	struct json j = json_start(stdout);
 
 	json_head(&j, "converge");
-	backend_json(&j, a, variant);
+	compute_json(&j, a, variant);
 	json_open(&j, "rows", '[');
 	for (size_t i = 0; i < ROWS; i++) {
 		const struct paper_row *p = &paper_table[i];
@@ -126,7 +126,7 @@ static void write_json(const struct backend_args *a, const char *variant, const 
 	json_close(&j, '}');
 }
 
-static void print_words(const struct backend_args *a, const char *variant, const struct row *rows)
+static void print_words(const struct compute_args *a, const char *variant, const struct row *rows)
 {
 	printf("Table I of the paper beside ours; %s draws, seed %llu, %s. se: standard error;\n"
 	       "z: the difference in units of its standard error (both sides have one).\n\n"
@@ -146,7 +146,7 @@ static void print_words(const struct backend_args *a, const char *variant, const
 
 int cmd_converge(int argc, char **argv)
 {
-	struct backend_args a = backend_defaults();
+	struct compute_args a = compute_defaults();
 	const struct mc_ops *ops;
 	struct mc_backend *b;
 	struct row rows[ROWS];
@@ -156,7 +156,7 @@ int cmd_converge(int argc, char **argv)
 	a.params.n_resident = 65536;
 	int code = cli_parse(&argp, argc, argv, &a);
 
-	code = code ? code : backend_open(name, &a, &ops, &b);
+	code = code ? code : compute_open(name, &a, &ops, &b);
 	if (code) {
 		return code;
 	}

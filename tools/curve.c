@@ -4,7 +4,7 @@
  */
 #include <math.h>
 #include <string.h>
-#include "backend.h"
+#include "compute.h"
 #include "cli.h"
 #include "cmd.h"
 #include "request.h"
@@ -18,7 +18,7 @@
 #define RESIDENT  65536
 
 struct args {
-	struct backend_args backend;
+	struct compute_args compute;
 	struct request_args request;
 	const char *csv;
 };
@@ -45,7 +45,7 @@ static const struct argp_option options[] = {
 	{0},
 };
 static const struct argp_child children[] = {
-	{&request_argp, 0, NULL, 0}, {&backend_argp, 0, NULL, 0}, {0}};
+	{&request_argp, 0, NULL, 0}, {&compute_argp, 0, NULL, 0}, {0}};
 
 static error_t parse(int key, char *arg, struct argp_state *st)
 {
@@ -54,7 +54,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	switch (key) {
 	case ARGP_KEY_INIT:
 		st->child_inputs[0] = &a->request;
-		st->child_inputs[1] = &a->backend;
+		st->child_inputs[1] = &a->compute;
 		return 0;
 	case KEY_CSV:
 		a->csv = arg;
@@ -62,7 +62,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case ARGP_KEY_ARG:
 		return cli_bad(st, "'%s': curve takes options alone", arg);
 	case ARGP_KEY_END:
-		return a->csv && !strcmp(a->csv, "-") && a->backend.json
+		return a->csv && !strcmp(a->csv, "-") && a->compute.json
 			       ? cli_bad(st, "--json and --csv - both want standard output")
 			       : 0;
 	default:
@@ -216,7 +216,7 @@ static void write_json(const struct curve *c)
 	struct json j = json_start(stdout);
 
 	json_head(&j, "curve");
-	backend_json(&j, &c->args->backend, c->variant);
+	compute_json(&j, &c->args->compute, c->variant);
 	json_uint(&j, "samples", c->res.n);
 	json_bool(&j, "interrupted", (c->res.flags & MC_RES_CUT) != 0);
 	json_uint(&j, "floored", c->res.floored);
@@ -290,8 +290,8 @@ static void print_words(const struct curve *c)
 		       c->req.n);
 	}
 	printf("%llu samples, %s draws, seed %llu, %s\n\n", (unsigned long long)c->res.n,
-	       c->args->backend.params.kind == MC_SOBOL ? "Sobol" : "Philox",
-	       (unsigned long long)c->args->backend.params.seed, c->variant);
+	       c->args->compute.params.kind == MC_SOBOL ? "Sobol" : "Philox",
+	       (unsigned long long)c->args->compute.params.seed, c->variant);
 	printf("    headway               risk   (95 %% interval)                bar: log scale to "
 	       "1/N\n");
 	each_row(c, ROWS_TEXT, text_row, &decades);
@@ -305,7 +305,7 @@ static int output(const char *name, const struct curve *c)
 {
 	int code = c->args->csv ? write_csv(name, c) : 0;
 
-	if (c->args->backend.json) {
+	if (c->args->compute.json) {
 		write_json(c);
 	} else if (!c->args->csv || strcmp(c->args->csv, "-")) {
 		print_words(c);
@@ -315,7 +315,7 @@ static int output(const char *name, const struct curve *c)
 
 int cmd_curve(int argc, char **argv)
 {
-	struct args a = {backend_defaults(), request_defaults(), NULL};
+	struct args a = {compute_defaults(), request_defaults(), NULL};
 	struct curve c = {.args = &a};
 	const struct mc_ops *ops;
 	struct mc_backend *b;
@@ -323,8 +323,8 @@ int cmd_curve(int argc, char **argv)
 	int code = cli_parse(&argp, argc, argv, &a);
 
 	code = code ? code : request_build(name, &a.request, &c.req);
-	a.backend.params.n_resident = c.req.n < RESIDENT ? c.req.n : RESIDENT;
-	code = code ? code : backend_open(name, &a.backend, &ops, &b);
+	a.compute.params.n_resident = c.req.n < RESIDENT ? c.req.n : RESIDENT;
+	code = code ? code : compute_open(name, &a.compute, &ops, &b);
 	if (code) {
 		return code;
 	}

@@ -84,7 +84,8 @@ static void close_stdout(void)
 
 	errno = 0;
 	if (fclose(stdout) || failed) {
-		fprintf(stderr, "aebmc: standard output: %s\n", strerror(errno ? errno : EIO));
+		fprintf(stderr, "aebmc: standard output: %s\n",
+			errno ? strerror(errno) : "write failed");
 		_exit(CLI_FAILED);
 	}
 }

@@ -8,12 +8,12 @@
 #include "clock.h"
 #include "cmd.h"
 #include "csv.h"
-#include "mc_ops.h"
+#include "engine.h"
 #include "replay.h"
 
 /* ---- arguments --------------------------------------------------------------------------------- */
 
-enum { BACKEND_CUDA = 2 }; /* of mc.backend in config.def */
+enum { BACKEND_AUTO, BACKEND_CPU }; /* of mc.backend in config.def */
 enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON };
 
 static const struct argp_option options[] = {
@@ -104,28 +104,18 @@ static int open_log(struct replay *r)
 	return 0;
 }
 
+/* Not `auto`: the frames must not depend on what this machine has. */
 static int open_mc(struct replay *r)
 {
-	struct mc_params p = {
-		.kind = (enum mc_draws_kind)r->cfg.mc_draws,
-		.seed = (uint64_t)r->cfg.mc_seed,
-		.n_resident = (uint32_t)r->cfg.mc_samples,
-		.threads = (uint32_t)(r->args->threads ? r->args->threads : r->cfg.mc_threads),
-	};
+	char err[256];
 
-	if (r->cfg.mc_backend == BACKEND_CUDA) {
-		return cli_error(
-			CLI_CONFIG, r->name,
-			"mc.backend = cuda: a replay runs on the CPU, with the same results");
+	r->cfg.mc_threads = r->args->threads ? r->args->threads : r->cfg.mc_threads;
+	if (r->cfg.mc_backend == BACKEND_AUTO) {
+		r->cfg.mc_backend = BACKEND_CPU;
 	}
-	for (int i = 0; i < MODEL_INPUTS; i++) {
-		p.truncate[i] = (float)r->cfg.mc_truncate;
-	}
-	int error = mc_open(&mc_cpu_ops, &p, 0, &r->mc);
-
-	return error ? cli_error(CLI_FAILED, r->name, "cannot open the CPU backend: %s",
-				 strerror(-error))
-		     : 0;
+	return engine_open(&r->cfg, MC_INLINE, &r->mc, &r->backend, err, sizeof(err))
+		       ? cli_error(CLI_FAILED, r->name, "%s", err)
+		       : 0;
 }
 
 static void on_cycle(void *arg, const struct cycle *c, enum state state)
@@ -143,7 +133,7 @@ static int open_pipeline(struct replay *r)
 					.map = r->map,
 					.bus = &r->bus.bus,
 					.mc = r->mc,
-					.backend = PUBLISH_BACKEND_CPU,
+					.backend = r->backend,
 					.on_cycle = on_cycle,
 					.on_change = replay_change,
 					.arg = r};
@@ -239,14 +229,14 @@ static int explain(const struct replay *r, int error)
 		return cli_error(CLI_FAILED, r->name, "%s: no frame on the configured interfaces",
 				 r->args->log);
 	}
-	return cli_interrupted() ? CLI_FAILED : CLI_GOOD;
+	return cli_interrupted() ? cli_error(CLI_FAILED, r->name, "interrupted") : CLI_GOOD;
 }
 
 static int replay(struct replay *r)
 {
 	int taken = is_stdout(r->args->csv) || is_stdout(r->args->out);
 
-	r->words = r->args->json ? NULL : taken ? stderr : stdout;
+	r->words = r->args->json || taken ? NULL : stdout;
 	replay_begin(r);
 	int error = run(r);
 

@@ -27,6 +27,7 @@ struct replay {
 	struct bus *log;
 	struct stamped bus; /* around the log */
 	struct mc *mc;
+	enum publish_backend backend; /* what mc runs on */
 	struct pipeline *pipe;
 	FILE *csv, *words; /* NULL: not wanted */
 	struct json json;

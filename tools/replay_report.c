@@ -58,7 +58,7 @@ void replay_begin(struct replay *r)
 {
 	r->state = STATE_INIT;
 	r->line = progress_start(r->name);
-	if (!r->words) {
+	if (r->args->json) {
 		r->json = json_start(stdout);
 		json_head(&r->json, "replay");
 		json_open(&r->json, "events", '[');
@@ -71,9 +71,10 @@ void replay_change(void *arg, int64_t t_ns, const struct publish_in *now)
 	double time_s = replay_time_s(r, t_ns);
 
 	progress_clear(&r->line);
-	if (!r->words) {
+	if (r->args->json) {
 		json_event(&r->json, time_s, now);
-	} else if (now->dec.level != r->level) {
+	}
+	if (r->words && now->dec.level != r->level) {
 		words_level(r->words, time_s, now, r->level);
 	}
 	if (r->words && now->state != r->state && !(is_usual(now->state) && is_usual(r->state))) {
@@ -175,6 +176,15 @@ static void print_refused(const struct replay *r)
 	}
 }
 
+static void print_risk_max(const struct replay *r)
+{
+	if (pipeline_stats(r->pipe)->evaluations) {
+		fprintf(r->words, "; largest risk of waiting one period %s%.3g %%",
+			pipeline_stats(r->pipe)->risk_max > 0 ? "" : "below ", risk_max(r) * 100);
+	}
+	fputc('\n', r->words);
+}
+
 static void print_summary(const struct replay *r)
 {
 	const struct pipeline_stats *s = pipeline_stats(r->pipe);
@@ -183,21 +193,21 @@ static void print_summary(const struct replay *r)
 	fprintf(r->words,
 		"%s%.1f s of driving, %" PRIu64 " frames, %" PRIu64
 		" evaluations of %lld samples; %.1f times real time\n"
-		"warnings %" PRIu64 ", partial requests %" PRIu64 ", full requests %" PRIu64
-		"; largest risk of waiting one period %s%.3g %%\n",
+		"warnings %" PRIu64 ", partial requests %" PRIu64 ", full requests %" PRIu64,
 		cli_interrupted() ? "Interrupted: " : "", replay_time_s(r, r->bus.last_ns),
 		s->frames, s->evaluations, (long long)r->cfg.mc_samples, realtime_factor(r),
-		entered[LEVEL_WARN], entered[LEVEL_PARTIAL], entered[LEVEL_FULL],
-		s->risk_max > 0 ? "" : "below ", risk_max(r) * 100);
+		entered[LEVEL_WARN], entered[LEVEL_PARTIAL], entered[LEVEL_FULL]);
+	print_risk_max(r);
 	print_refused(r);
 }
 
 void replay_end(struct replay *r)
 {
 	progress_clear(&r->line);
+	if (r->args->json) {
+		json_figures(&r->json, r);
+	}
 	if (r->words) {
 		print_summary(r);
-	} else {
-		json_figures(&r->json, r);
 	}
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Which backend a subcommand computes on and how it is opened.
  */
-#include "backend.h"
+#include "compute.h"
 #include <errno.h>
 #include <string.h>
 #include "cli.h"
@@ -63,7 +63,7 @@ static error_t parse_seed(const struct argp_state *st, const char *arg, struct m
 
 static error_t parse(int key, char *arg, struct argp_state *st)
 {
-	struct backend_args *a = st->input;
+	struct compute_args *a = st->input;
 
 	switch (key) {
 	case KEY_BACKEND:
@@ -86,13 +86,13 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	}
 }
 
-const struct argp backend_argp = {options, parse, NULL, NULL, NULL, NULL, NULL};
+const struct argp compute_argp = {options, parse, NULL, NULL, NULL, NULL, NULL};
 
-struct backend_args backend_defaults(void)
+struct compute_args compute_defaults(void)
 {
 	uint32_t cpus = cli_cpus();
 
-	return (struct backend_args){
+	return (struct compute_args){
 		.backend = "cpu",
 		.params = {.kind = MC_SOBOL, .seed = 1, .threads = cpus < 64 ? cpus : 64},
 	};
@@ -137,7 +137,7 @@ static int refused(const char *name, const char *backend, int error)
 	}
 }
 
-int backend_open(const char *name, const struct backend_args *a, const struct mc_ops **ops,
+int compute_open(const char *name, const struct compute_args *a, const struct mc_ops **ops,
 		 struct mc_backend **ret)
 {
 	const struct backend_row *row = find(a->backend);
@@ -157,7 +157,7 @@ int backend_open(const char *name, const struct backend_args *a, const struct mc
 	return error ? refused(name, row->name, error) : 0;
 }
 
-void backend_json(struct json *j, const struct backend_args *a, const char *variant)
+void compute_json(struct json *j, const struct compute_args *a, const char *variant)
 {
 	char cpu[128];
 

@@ -35,12 +35,18 @@ _Static_assert(offsetof(struct lanes_block, delay) == MODEL_DELAY * LANES * size
 LANE_STAGE(scene, rollout_scene(&r, &p))
 LANE_STAGE(coast, rollout_coast(&r, &p))
 LANE_STAGE(match, rollout_match(&r, &p))
+LANE_STAGE(kink_time, rollout_kink_time(&r, &p))
 LANE_STAGE(kink, rollout_kink(&r, &p))
 LANE_STAGE(stop, rollout_stop(&r))
-LANE_STAGE(short, rollout_short(&r, &p))
+LANE_STAGE(fade, rollout_fade(&r))
+LANE_STAGE(at, rollout_at(&r))
+LANE_STAGE(short, rollout_short(&r))
+LANE_STAGE(short_step, rollout_short_step(&r))
 LANE_STAGE(late, rollout_late(&r, &p))
-LANE_STAGE(roll, rollout_roll(&r, &p))
+LANE_STAGE(roll, rollout_roll(&r))
 LANE_STAGE(near, rollout_near(&r))
+LANE_STAGE(near_fit, rollout_near_fit(&r))
+LANE_STAGE(near_root, rollout_near_root(&r))
 LANE_STAGE(approach, rollout_approach(&r))
 LANE_STAGE(hit, rollout_hit(&r))
 LANE_STAGE(contact, rollout_contact(&r))
@@ -124,6 +130,8 @@ static void pool_flush(struct lanes_work *w, const struct lanes_job *job)
 
 	lane_hit(b, &job->future[0]);
 	for (int i = 0; i < ROLLOUT_CONTACT_MAX && lane_wanted(b->want); i++) {
+		lane_fade(b, &job->future[0]);
+		lane_at(b, &job->future[0]);
 		lane_contact(b, &job->future[0]);
 	}
 	for (uint32_t i = 0; i < w->pooled; i++) {
@@ -197,18 +205,32 @@ static void roll(struct lanes_work *w, const struct rollout_plan *p)
 
 	lane_coast(b, p);
 	lane_match(b, p);
+	lane_kink_time(b, p);
 	lane_kink(b, p);
 	lane_stop(b, p);
 	if (lane_wanted(b->want)) {
 		lane_short(b, p);
+		for (int i = 0; i < ROLLOUT_SHORT_STEPS; i++) {
+			lane_fade(b, p);
+			lane_at(b, p);
+			lane_short_step(b, p);
+		}
 	}
 	lane_late(b, p);
 	if (lane_wanted(b->want)) {
+		lane_fade(b, p);
+		lane_at(b, p);
 		lane_roll(b, p);
 	}
-	lane_near(b, p);
-	for (int i = 0; i < ROLLOUT_APPROACH_MAX && lane_wanted(b->want); i++) {
-		lane_approach(b, p);
+	if (lane_wanted(b->lead_stop)) {
+		lane_near(b, p);
+		lane_near_fit(b, p);
+		lane_near_root(b, p);
+		for (int i = 0; i < ROLLOUT_APPROACH_MAX && lane_wanted(b->want); i++) {
+			lane_fade(b, p);
+			lane_at(b, p);
+			lane_approach(b, p);
+		}
 	}
 	lane_end(b, p, w->flags);
 }

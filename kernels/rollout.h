@@ -33,14 +33,17 @@ struct rollout_plan {
 #define ROLLOUT_SCENE(X) X(k) X(grade) X(bound) X(rate) X(lead_stop)
 /* Before onset: where and how fast the ego is then, and -min(x_lead - x_ego) if that lies inside. */
 #define ROLLOUT_COAST(X) X(onset) X(v1) X(x1) X(near_0)
-/* P1 as flow under the constant force c1 from speed r0, its transient's amplitude fe = F + a_i and constants. */
-#define ROLLOUT_MATCH(X) X(c1) X(r0) X(ka) X(fe) X(b2) X(d0)
+/* P1 as flow under the constant force c1 from speed r0; constants of its transient, fe = F + a_i its amplitude. */
+#define ROLLOUT_MATCH(X) X(c1) X(r0) X(fe) X(kt) X(ft) X(g1) X(b0) X(b1) X(d0)
 /* Kink, and the phase that lasts to the end. */
-#define ROLLOUT_KINK(X) X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s)
+#define ROLLOUT_KINK(X) X(ek) X(sk) X(v2) X(x2) X(base_v) X(base_c) X(base_x) X(base_s)
 /* Standstill or horizon. */
 #define ROLLOUT_STOP(X) X(end_s) X(stop) X(end_v)
-/* Closest approach while braking: where it is sought, within which limits, what was found where. */
-#define ROLLOUT_NEAR(X) X(near_s) X(near_lo) X(near_hi) X(near_rel) X(near_at) X(need)
+/* A point of the braking phase: when, in P2 or not, e^(-s/tau); distance since onset, speed, its derivative, fe e. */
+#define ROLLOUT_AT(X) X(at_s) X(at_two) X(at_e) X(at_x) X(at_v) X(at_dv) X(at_fe)
+/* Closest approach while braking: quadratic for a first guess, limits, what was found when. */
+#define ROLLOUT_NEAR(X) \
+	X(near_a) X(near_b) X(near_c) X(near_d) X(near_lo) X(near_hi) X(near_s) X(near_rel) X(need)
 /* First contact, and 1 or 0 for a lane that a correction still works on. */
 #define ROLLOUT_HIT(X) X(hit_t) X(hit_lo) X(hit_hi) X(impact) X(want)
 
@@ -51,6 +54,7 @@ struct rollout_plan {
 	ROLLOUT_MATCH(X)  \
 	ROLLOUT_KINK(X)   \
 	ROLLOUT_STOP(X)   \
+	ROLLOUT_AT(X)     \
 	ROLLOUT_NEAR(X)   \
 	ROLLOUT_HIT(X)
 
@@ -144,76 +148,93 @@ HD struct rollout_flow rollout_flow(float v0, float c, float k, float s)
 	const float den = det_fmaf(kv, sn, d);
 	const float num_y = sn * det_fmaf(v0, d, 0.5f * sn * det_fmaf(kv, v0, -c));
 	const float den_y = det_fmaf(d, den, 0.5f * k * sn * sn * det_fmaf(kv, v0, c));
-	const float y = num_y / den_y;
+	const float inv = 1.0f / (den * den_y);
+	const float y = num_y * den * inv;
 	const float ky = k * y;
 	struct rollout_flow f;
 
-	f.v = det_fmaf(v0, d, -c * sn) / den;
+	f.v = det_fmaf(v0, d, -c * sn) * den_y * inv;
 	f.x = y * rollout_atanh(ky * ky);
 	return f;
 }
 
-/* The actuator's transient, first and second order in e = e^(-s/tau), on top of the flow: polynomials in its speed. */
-HD float rollout_lag_v(const struct rollout *r, float v, float e)
+/*
+ * The actuator's transient on top of the flow R, to second order in e = e^(-s/tau): v = R + e d1(R) + e^2 d2(R), and x
+ * alike. Put into eq. 4, each order is a linear equation in R that a polynomial solves; with ep = k tau R,
+ * ka = k c tau^2, b = k tau (fe tau)^2 / 2:
+ *   d1 = -fe tau (1 + 2 ka + 2 ep + 2 ep^2) / (1 + 4 ka)     in x: fe tau^2 (1 + 2 ep) / (1 + 4 ka)     exact
+ *   d2 = b (1 - 6.5 ka + 5 ep)                               in x: -tau d2 / 2                  to first order
+ */
+HD struct rollout_flow rollout_lag(const struct rollout *r, float v, float e)
 {
-	const float ep = r->k * r->tau * v;
-	const float w = det_fmaf(r->ka, det_fmaf(16.0f, r->ka, -4.0f), 1.0f);
-	const float d1 =
-		-r->fe * r->tau * w * det_fmaf(2.0f * ep, 1.0f + ep, det_fmaf(2.0f, r->ka, 1.0f));
-	const float d2 =
-		r->b2 * det_fmaf(ep, det_fmaf(10.5f, ep, 5.0f), det_fmaf(-6.5f, r->ka, 1.0f));
+	const float ep = r->kt * v;
+	const float lin = det_fmaf(2.0f, ep, 1.0f);
+	const float d1 = r->ft * det_fmaf(2.0f * ep, ep, lin + r->g1);
+	const float d2 = e * det_fmaf(r->b1, ep, r->b0);
+	struct rollout_flow lag;
 
-	return e * det_fmaf(e, d2, d1);
+	lag.v = e * (d2 - d1);
+	lag.x = r->tau * e * det_fmaf(r->ft, lin, -0.5f * d2);
+	return lag;
 }
 
-HD float rollout_lag_x(const struct rollout *r, float v, float e)
-{
-	const float ep = r->k * r->tau * v;
-	const float w = det_fmaf(r->ka, det_fmaf(16.0f, r->ka, -4.0f), 1.0f);
-	const float d1 = r->fe * r->tau * w * det_fmaf(2.0f, ep, 1.0f);
-	const float d2 = -0.5f * r->b2 *
-			 det_fmaf(ep, det_fmaf(8.0f, ep, 5.0f), det_fmaf(-9.0f, r->ka, 1.0f));
-
-	return r->tau * e * det_fmaf(e, d2, d1);
-}
-
-/** rollout_match - the constant-force flow that, with its transient, starts at v1. */
+/** rollout_match - the constant-force flow that, with its transient, starts at v1: a quadratic for r0, nearly linear. */
 HD void rollout_match(struct rollout *r, const struct rollout_plan *p)
 {
-	const float f = p->cmd_mps2;
-	const float start = det_maxf(r->a0, -det_minf(f, r->bound));
+	const float fe = p->cmd_mps2 + det_maxf(r->a0, -det_minf(p->cmd_mps2, r->bound));
+	const float c1 = p->cmd_mps2 + r->grade;
+	const float kt = r->k * r->tau;
+	const float ka = kt * c1 * r->tau;
+	const float fet = fe * r->tau;
+	const float ft = fet * det_fmaf(ka, det_fmaf(16.0f, ka, -4.0f), 1.0f);
+	const float g1 = 2.0f * ka;
+	const float b = 0.5f * kt * fet * fet;
+	const float b0 = b * det_fmaf(-6.5f, ka, 1.0f);
+	const float lin = kt * det_fmaf(2.0f, ft, -5.0f * b);
+	const float by = (1.0f + lin) * det_fmaf(lin, lin, 1.0f); /* 1 / (1 - lin) */
+	const float r1 = (r->v1 + det_fmaf(ft, g1, ft) - b0) * by;
 
-	r->fe = f + start;
-	r->c1 = f + r->grade;
-	r->ka = r->k * r->c1 * r->tau * r->tau;
-	r->b2 = 0.5f * r->k * r->tau * (r->fe * r->tau) * (r->fe * r->tau);
-	r->r0 = det_fmaf(r->fe, r->tau, r->v1);
-	r->r0 = r->v1 - rollout_lag_v(r, r->r0, 1.0f);
-	r->r0 = r->v1 - rollout_lag_v(r, r->r0, 1.0f);
-	r->r0 = r->v1 - rollout_lag_v(r, r->r0, 1.0f);
-	r->d0 = rollout_lag_x(r, r->r0, 1.0f);
+	r->c1 = c1;
+	r->fe = fe;
+	r->kt = kt;
+	r->ft = ft;
+	r->g1 = g1;
+	r->b0 = b0;
+	r->b1 = 5.0f * b;
+	r->r0 = det_fmaf(2.0f * ft * kt * kt * by * r1, r1, r1);
+	r->d0 = rollout_lag(r, r->r0, 1.0f).x;
 }
 
-/** rollout_kink - where the friction bound is reached, if it is, and from where the last phase starts. */
-HD void rollout_kink(struct rollout *r, const struct rollout_plan *p)
+/** rollout_kink_time - where the friction bound is reached, if it ever is. */
+HD void rollout_kink_time(struct rollout *r, const struct rollout_plan *p)
 {
 	const float over = p->cmd_mps2 - r->bound;
 	const float e = det_maxf(over / det_maxf(r->fe, 1e-6f), 1e-10f);
 	const float ek =
 		over > 0.0f ? det_minf(e, 0.9999999f) : 0.5f; /* below 1: sk > 0 tells P2 from P1 */
-	const float sk = -r->tau * det_logf(ek);
-	const struct rollout_flow f = rollout_flow(r->r0, r->c1, r->k, sk);
-	float at;
 
-	r->v2 = f.v + rollout_lag_v(r, f.v, ek);
-	r->x2 = f.x + rollout_lag_x(r, f.v, ek) - r->d0;
-	at = over > 0.0f ? sk : ROLLOUT_NEVER_S;
-	at = sk < p->horizon_s - r->onset ? at : ROLLOUT_NEVER_S;
-	r->sk = r->v2 > 0.0f ? at : ROLLOUT_NEVER_S;
-	r->base_v = r->sk < ROLLOUT_NEVER_S ? r->v2 : r->r0;
-	r->base_c = r->sk < ROLLOUT_NEVER_S ? r->bound + r->grade : r->c1;
-	r->base_x = r->sk < ROLLOUT_NEVER_S ? r->x2 : -r->d0;
-	r->base_s = r->sk < ROLLOUT_NEVER_S ? r->sk : 0.0f;
+	r->ek = ek;
+	r->sk = -r->tau * det_logf(ek);
+}
+
+/** rollout_kink - speed and distance there, and from where the last phase starts. */
+HD void rollout_kink(struct rollout *r, const struct rollout_plan *p)
+{
+	const struct rollout_flow f = rollout_flow(r->r0, r->c1, r->k, r->sk);
+	const struct rollout_flow lag = rollout_lag(r, f.v, r->ek);
+	const float v2 = f.v + lag.v;
+	const float x2 = f.x + lag.x - r->d0;
+	float sk = p->cmd_mps2 > r->bound ? r->sk : ROLLOUT_NEVER_S;
+
+	sk = sk < p->horizon_s - r->onset ? sk : ROLLOUT_NEVER_S;
+	sk = v2 > 0.0f ? sk : ROLLOUT_NEVER_S;
+	r->sk = sk;
+	r->v2 = v2;
+	r->x2 = x2;
+	r->base_v = sk < ROLLOUT_NEVER_S ? v2 : r->r0;
+	r->base_c = sk < ROLLOUT_NEVER_S ? r->bound + r->grade : r->c1;
+	r->base_x = sk < ROLLOUT_NEVER_S ? x2 : -r->d0;
+	r->base_s = sk < ROLLOUT_NEVER_S ? sk : 0.0f;
 }
 
 /** rollout_stop - time and distance to standstill of the last phase: atan and atanh in closed form. */
@@ -235,6 +256,9 @@ HD void rollout_stop(struct rollout *r)
 	end = r->base_c > 1e-4f ? end : ROLLOUT_NEVER_S;
 	r->end_s = r->v1 > 0.0f ? end : 0.0f;
 	r->stop = r->x1 + (r->v1 > 0.0f ? det_fmaf(y, rollout_atanh(ky * ky), r->base_x) : 0.0f);
+	r->near_lo = 0.0f;
+	r->near_s = 0.0f;
+	r->near_rel = 0.0f;
 	r->end_v = 0.0f;
 	/* the transient has not died down */
 	end = r->sk < ROLLOUT_NEVER_S ? ROLLOUT_NEVER_S : r->end_s * r->rate;
@@ -242,152 +266,168 @@ HD void rollout_stop(struct rollout *r)
 	r->want = r->v1 > 0.0f ? r->want : 0.0f;
 }
 
-/* Distance after onset, speed and its derivative at s, P2 where @two is 1. */
-struct rollout_point {
-	float v, x, dv, fe;
-};
-
-HD struct rollout_point rollout_at(const struct rollout *r, float s, float two)
+/** rollout_fade - e^(-s/tau) of the point at at_s; none in P2. Held at 2^-40, so that its square is no denormal. */
+HD void rollout_fade(struct rollout *r)
 {
-	const float v0 = two > 0.0f ? r->v2 : r->r0;
-	const float c = two > 0.0f ? r->bound + r->grade : r->c1;
-	const float x0 = two > 0.0f ? r->x2 : -r->d0;
-	const float s0 = two > 0.0f ? r->sk : 0.0f;
-	const float lag = det_expf(-det_minf(det_maxf(s * r->rate, 0.0f), 28.0f));
-	const float e = two > 0.0f ? 0.0f : lag;
-	const struct rollout_flow f = rollout_flow(v0, c, r->k, s - s0);
-	struct rollout_point pt;
+	const float e = det_expf(-det_minf(det_maxf(r->at_s * r->rate, 0.0f), 28.0f));
 
-	pt.v = f.v + rollout_lag_v(r, f.v, e);
-	pt.x = f.x + rollout_lag_x(r, f.v, e) + x0;
-	pt.fe = r->fe * e;
-	pt.dv = -(det_fmaf(r->k * pt.v, pt.v, c) - pt.fe);
-	return pt;
+	r->at_e = r->at_two > 0.0f ? 0.0f : e;
 }
 
-/* The positive root of a s^2 + b s + c. */
-HD float rollout_root(float a, float b, float c)
+/** rollout_at - the ego's motion at at_s. */
+HD void rollout_at(struct rollout *r)
 {
-	const float root = det_sqrtf(det_maxf(det_fmaf(b, b, -4.0f * a * c), 0.0f));
-	const float num = b > 0.0f ? -2.0f * c : root - b;
+	const float v0 = r->at_two > 0.0f ? r->v2 : r->r0;
+	const float c = r->at_two > 0.0f ? r->bound + r->grade : r->c1;
+	const float x0 = r->at_two > 0.0f ? r->x2 : -r->d0;
+	const float s0 = r->at_two > 0.0f ? r->sk : 0.0f;
+	const struct rollout_flow f = rollout_flow(v0, c, r->k, r->at_s - s0);
+	const struct rollout_flow lag = rollout_lag(r, f.v, r->at_e);
+
+	r->at_v = f.v + lag.v;
+	r->at_x = f.x + lag.x + x0;
+	r->at_fe = r->fe * r->at_e;
+	r->at_dv = r->at_fe - det_fmaf(r->k * r->at_v, r->at_v, c);
+}
+
+/** rollout_short - standstill while the transient lasts: guess from a quadratic that fits the ramp of the brake. */
+HD void rollout_short(struct rollout *r)
+{
+	const float g = det_fmaf(r->k * r->v1, r->v1 * (1.0f / 3.0f), r->c1 - r->fe);
+	const float a = det_fmaf(0.8f, g, r->fe);
+	const float b = det_fmaf(2.0f * g, r->tau, -0.8f * r->v1);
+	const float c = 2.0f * r->v1 * r->tau;
+	const float root = det_sqrtf(det_maxf(det_fmaf(b, b, 4.0f * a * c), 0.0f));
+	const float num = b > 0.0f ? 2.0f * c : root - b;
 	const float den = b > 0.0f ? b + root : 2.0f * a;
+	const float guess = num / det_maxf(den, 1e-6f);
 
-	return num / (det_maxf(den, -den) > 1e-9f ? den : 1e-9f);
+	r->at_s = r->end_s * r->rate < 3.0f ? guess : r->end_s;
+	r->at_two = 0.0f;
 }
 
-/** rollout_short - standstill while the transient lasts: quadratic guess, then two corrections. Lanes with want. */
-HD void rollout_short(struct rollout *r, const struct rollout_plan *p)
+/** rollout_short_step - one correction of standstill: exact for a constant force. Lanes with want. */
+HD void rollout_short_step(struct rollout *r)
 {
-	const float slope = r->grade + r->k * r->v1 * r->v1 * (1.0f / 3.0f) - (r->fe - p->cmd_mps2);
-	const float guess =
-		rollout_root(det_fmaf(0.8f, slope, r->fe),
-			     det_fmaf(2.0f * slope, r->tau, -0.8f * r->v1), -2.0f * r->v1 * r->tau);
-	float s = r->end_s * r->rate < 3.0f ? guess : r->end_s;
-	struct rollout_point pt;
+	const float by = r->at_v / det_maxf(-r->at_dv, 1e-3f);
 
-	pt = rollout_at(r, s, 0.0f);
-	s = det_maxf(s - pt.v / det_minf(pt.dv, -1e-3f), 0.0f);
-	pt = rollout_at(r, s, 0.0f);
-	pt.dv = det_minf(pt.dv, -1e-3f);
-	r->stop = r->want > 0.0f ? r->x1 + pt.x - 0.5f * pt.v * pt.v / pt.dv : r->stop;
-	r->end_s = r->want > 0.0f ? det_maxf(s - pt.v / pt.dv, 0.0f) : r->end_s;
+	r->at_s = det_maxf(r->at_s + by, 0.0f);
+	r->stop = r->want > 0.0f ? det_fmaf(0.5f * r->at_v, by, r->x1 + r->at_x) : r->stop;
+	r->end_s = r->want > 0.0f ? r->at_s : r->end_s;
 }
 
-/** rollout_late - mark the lanes that may still roll at the horizon. */
+/** rollout_late - the horizon as point to look at; want: lanes that may still roll there. */
 HD void rollout_late(struct rollout *r, const struct rollout_plan *p)
 {
-	r->want = r->end_s > p->horizon_s - r->onset - 0.01f ? 1.0f : 0.0f;
+	r->at_s = p->horizon_s - r->onset;
+	r->at_two = r->sk < ROLLOUT_NEVER_S ? 1.0f : 0.0f;
+	r->want = r->end_s > r->at_s - 0.01f ? 1.0f : 0.0f;
 }
 
 /** rollout_roll - speed and distance at the horizon. Lanes with want. */
-HD void rollout_roll(struct rollout *r, const struct rollout_plan *p)
+HD void rollout_roll(struct rollout *r)
 {
-	const float left = p->horizon_s - r->onset;
-	const struct rollout_point pt = rollout_at(r, left, r->sk < ROLLOUT_NEVER_S ? 1.0f : 0.0f);
-	const float v = r->onset < p->horizon_s ? pt.v : r->v1;
-	const float x = r->onset < p->horizon_s ? pt.x : 0.0f;
-	float end_v = r->want > 0.0f ? v : 0.0f;
+	const float v = r->at_s > 0.0f ? r->at_v : r->v1;
+	const float x = r->at_s > 0.0f ? r->at_x : 0.0f;
+	const float rolls = r->v1 > 0.0f ? v : 0.0f;
+	const float end_v = r->want > 0.0f ? det_maxf(rolls, 0.0f) : 0.0f;
 
-	end_v = r->v1 > 0.0f ? det_maxf(end_v, 0.0f) : 0.0f;
 	r->stop = end_v > 0.0f ? r->x1 + x : r->stop;
-	r->end_s = end_v > 0.0f ? left : det_minf(r->end_s, left);
+	r->end_s = end_v > 0.0f ? r->at_s : det_minf(r->end_s, r->at_s);
 	r->end_v = end_v;
 }
 
 /**
- * rollout_near - guess when the ego is as slow as the lead again: the one minimum that braking can leave behind
- * In P2 if the ego is still faster at the kink, else in P1. v = (v0 - c s) / (1 + k v0 s) = lead is a quadratic; if its
- * root falls into the first 3 tau, one that fits the ramp of the brake takes its place.
+ * rollout_near - the phase that has the one minimum of the gap that braking can leave behind, and its limits
+ * P2 if the ego is still faster than the lead at the kink, else P1. Once the lead stands there is none.
  */
 HD void rollout_near(struct rollout *r)
 {
-	const float hi = det_minf(r->end_s, r->lead_stop - r->onset);
-	const float lead_1 = rollout_lead_v(r, r->onset);
-	const float lead_k = rollout_lead_v(r, r->onset + r->sk);
-	const float later = r->v2 > lead_k ? 1.0f : 0.0f;
-	const float two = r->sk < hi ? later : 0.0f;
-	const float v = two > 0.0f ? r->v2 : r->r0;
-	const float lead = two > 0.0f ? lead_k : lead_1;
-	const float force = two > 0.0f ? r->bound + r->grade : r->c1;
-	const float a2 = r->k * v * r->al;
-	const float b2 = det_fmaf(r->k * v, lead, force + r->al);
-	const float c2 = lead - v;
-	const float s3 = 3.0f * r->tau;
-	const float at3 = det_fmaf(s3, det_fmaf(s3, a2, b2), c2);
-	const float ramp = two > 0.0f ? -1.0f : at3;
-	const float w = r->v1 - lead_1;
-	const float g = det_fmaf(r->k * r->v1, r->v1, r->c1 - r->fe) + r->al;
-	const float a = ramp > 0.0f ? det_fmaf(0.8f, g, r->fe) : a2;
-	const float b = ramp > 0.0f ? det_fmaf(2.0f * g, r->tau, -0.8f * w) : b2;
-	const float c = ramp > 0.0f ? -2.0f * w * r->tau : c2;
-	const float root = det_maxf(b, ramp) > 0.0f ? rollout_root(a, b, c) : ROLLOUT_NEVER_S;
-	/* tan(z)/z - 1, left out of the quadratic */
-	const float s1 = det_minf(root, 30.0f);
-	const float slope =
-		det_maxf(det_sqrtf(det_maxf(det_fmaf(b, b, -4.0f * a * c), 0.0f)), 0.1f);
-	const float over = r->k * force * s1 * s1 * s1 * (1.0f / 3.0f);
-	const float fix = over * det_fmaf(r->k * v, det_fmaf(r->al, s1, lead), force) / slope;
-	const float guess = root - (ramp > 0.0f ? 0.0f : det_minf(fix, 0.1f * s1));
-	const float last = two > 0.0f ? hi : det_minf(hi, r->sk);
+	const float hi = det_maxf(det_minf(r->end_s, r->lead_stop - r->onset), 0.0f);
+	const float excess = r->v2 - rollout_lead_v(r, r->onset + r->sk);
+	const float later = excess > 0.0f ? r->sk : 0.0f;
+	const float lo = later < hi ? later : 0.0f;
 
-	r->near_lo = two > 0.0f ? r->sk : 0.0f;
-	r->near_hi = det_maxf(last, 0.0f);
-	r->near_s = det_minf(det_maxf(guess, 0.0f) + r->near_lo, r->near_hi);
+	r->at_two = lo > 0.0f ? 1.0f : 0.0f;
+	r->near_lo = lo;
+	r->near_hi = lo > 0.0f ? hi : det_minf(hi, r->sk);
+	r->near_s = lo;
 	r->near_rel = 0.0f;
-	r->near_at = r->near_lo;
-	r->want = hi > 0.0f ? 1.0f : 0.0f;
+	r->want = r->near_hi > lo ? 1.0f : 0.0f;
 }
 
 /**
- * rollout_approach - one correction of the closest approach: expansion of the relative motion about near_s. Lanes with
- * want. Without a root of the relative speed nearby, go to where it is largest.
+ * rollout_near_fit - a quadratic for it: (v0 - c s) / (1 + k v0 s) = lead, which leaves out d s^3
+ * If its root falls into the first 3 tau, a fit of the ramp of the brake takes its place.
+ */
+HD void rollout_near_fit(struct rollout *r)
+{
+	const float lead_0 = rollout_lead_v(r, r->onset + r->near_lo);
+	const float v = r->at_two > 0.0f ? r->v2 : r->r0;
+	const float force = r->at_two > 0.0f ? r->bound + r->grade : r->c1;
+	const float kv = r->k * v;
+	const float a = kv * r->al;
+	const float b = det_fmaf(kv, lead_0, force + r->al);
+	const float c = v - lead_0;
+	const float s3 = 3.0f * r->tau;
+	const float at3 =
+		det_fmaf(s3, det_fmaf(s3, a, b), -c) - r->at_two * 1e6f; /* no ramp in P2 */
+	const float w = r->v1 - lead_0;
+	const float g = det_fmaf(r->k * r->v1, r->v1, r->c1 - r->fe) + r->al;
+
+	r->near_a = at3 > 0.0f ? det_fmaf(0.8f, g, r->fe) : a;
+	r->near_b = at3 > 0.0f ? det_fmaf(2.0f * g, r->tau, -0.8f * w) : b;
+	r->near_c = at3 > 0.0f ? 2.0f * w * r->tau : c;
+	r->near_d = at3 > 0.0f ? 0.0f : r->k * force * force * (1.0f / 3.0f);
+}
+
+/** rollout_near_root - first guess: root of a s^2 + b s - c, then of d s^3 too. No root: the end of the phase. */
+HD void rollout_near_root(struct rollout *r)
+{
+	const float a = r->near_a, b = r->near_b, c = r->near_c;
+	const float root = det_sqrtf(det_maxf(det_fmaf(b, b, 4.0f * a * c), 0.01f));
+	const float num = b > 0.0f ? 2.0f * c : root - b;
+	const float two_a = det_maxf(a, -a) > 1e-9f ? 2.0f * a : 1e-9f;
+	const float den = b > 0.0f ? b + root : two_a;
+	const float inv = 1.0f / (den * root);
+	const float s1 = num * root * inv;
+	const float fix = r->near_d * s1 * s1 * s1 * den * inv;
+	const float guess = s1 - det_minf(fix, 0.1f * s1);
+	/* a <= 0 and b <= 0: the ego never gets slower than the lead */
+	const float s = det_maxf(a, b) > 0.0f ? det_maxf(guess, 0.0f) : ROLLOUT_NEVER_S;
+
+	r->at_s = det_minf(s + r->near_lo, r->near_hi);
+}
+
+/**
+ * rollout_approach - one correction of the closest approach: expansion of the relative motion about at_s. Without a root
+ * of the relative speed nearby, go to where it is largest. Lanes with want.
  */
 HD void rollout_approach(struct rollout *r)
 {
-	const float s = r->near_s, t = r->onset + s;
-	const struct rollout_point pt = rollout_at(r, s, r->near_lo > 0.0f ? 1.0f : 0.0f);
-	const float v = rollout_lead_v(r, t) - pt.v;
-	const float dv = r->al - pt.dv;
-	const float ddv = det_fmaf(pt.fe, r->rate, 2.0f * r->k * pt.v * pt.dv);
+	const float s = r->at_s, t = r->onset + s;
+	const float v = rollout_lead_v(r, t) - r->at_v;
+	const float dv = r->al - r->at_dv;
+	const float ddv = det_fmaf(r->at_fe, r->rate, 2.0f * r->k * r->at_v * r->at_dv);
 	const float disc = det_fmaf(dv, dv, -2.0f * v * ddv);
 	const float num = disc > 0.0f ? -2.0f * v : -dv;
 	const float den = disc > 0.0f ? dv + det_sqrtf(det_maxf(disc, 0.0f)) : ddv;
 	const float step = num / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
 	const float next = det_minf(det_maxf(s + step, r->near_lo), r->near_hi);
 	const float h = next - s, h2 = h * h;
-	const float rest = pt.fe * r->rate * r->rate * h2 * h2;
+	const float rest = r->at_fe * r->rate * r->rate * h2 * h2;
 	const float far = h2 < 0.0225f ? 0.0f : 1.0f;
 	const float more = rest < 2e-4f ? far : 1.0f;
 	const float by =
 		more > 0.0f
 			? 0.0f
 			: h; /* a point of the path bounds the minimum, a poor expansion does not */
-	const float rel = rollout_lead_x(r, t) - r->x1 - pt.x +
+	const float rel = rollout_lead_x(r, t) - r->x1 - r->at_x +
 			  by * det_fmaf(by, det_fmaf(by, ddv * (1.0f / 6.0f), 0.5f * dv), v);
 
 	r->near_rel = r->want > 0.0f ? rel : r->near_rel;
-	r->near_at = r->want > 0.0f ? s + by : r->near_at;
-	r->near_s = r->want > 0.0f ? next : r->near_s;
+	r->near_s = r->want > 0.0f ? s + by : r->near_s;
+	r->at_s = r->want > 0.0f ? next : s;
 	r->want = r->want > 0.0f ? more : 0.0f;
 }
 
@@ -409,10 +449,9 @@ HD void rollout_hit(struct rollout *r)
 	const float gap_d = r->headway + rollout_lead_x(r, r->onset) - r->x1;
 	const float tk = r->onset + r->sk;
 	const float gap_k = r->headway + rollout_lead_x(r, tk) - r->x1 - r->x2;
-	const float near = r->headway + r->near_rel > 0.0f
-				   ? 0.0f
-				   : 1.0f; /* contact by near_at at the latest */
-	const float end = r->onset + (near > 0.0f ? r->near_at : r->end_s);
+	const float near =
+		r->headway + r->near_rel > 0.0f ? 0.0f : 1.0f; /* contact by near_s at the latest */
+	const float end = r->onset + (near > 0.0f ? r->near_s : r->end_s);
 	float in_p2 = r->sk < ROLLOUT_NEVER_S ? gap_k : -1.0f;
 	float hi;
 
@@ -426,6 +465,8 @@ HD void rollout_hit(struct rollout *r)
 	r->hit_lo = r->headway > r->near_0 ? r->hit_lo : 0.0f;
 	r->hit_hi = hi;
 	r->hit_t = r->hit_lo;
+	r->at_s = r->hit_lo - r->onset;
+	r->at_two = r->at_s < r->sk ? 0.0f : 1.0f;
 	r->impact = det_maxf(r->v0 - r->vl, 0.0f);
 	r->want = r->headway > 0.0f ? 1.0f : 0.0f;
 }
@@ -433,13 +474,12 @@ HD void rollout_hit(struct rollout *r)
 /** rollout_contact - one correction of the first contact, and the impact speed seen from there. Lanes with want. */
 HD void rollout_contact(struct rollout *r)
 {
-	const float t = r->hit_t, s = t - r->onset;
-	const struct rollout_point pt = rollout_at(r, s, s < r->sk ? 0.0f : 1.0f);
-	const float early = s < 0.0f ? 1.0f : 0.0f;
-	const float ego_v = early > 0.0f ? det_fmaf(r->a0, t, r->v0) : pt.v;
-	const float ego_x = early > 0.0f ? t * det_fmaf(0.5f * r->a0, t, r->v0) : r->x1 + pt.x;
-	const float ego_dv = early > 0.0f ? r->a0 : pt.dv;
-	const float jerk = early > 0.0f ? 0.0f : pt.fe * r->rate;
+	const float t = r->hit_t;
+	const float early = t < r->onset ? 1.0f : 0.0f;
+	const float ego_v = early > 0.0f ? det_fmaf(r->a0, t, r->v0) : r->at_v;
+	const float ego_x = early > 0.0f ? t * det_fmaf(0.5f * r->a0, t, r->v0) : r->x1 + r->at_x;
+	const float ego_dv = early > 0.0f ? r->a0 : r->at_dv;
+	const float jerk = early > 0.0f ? 0.0f : r->at_fe * r->rate;
 	const float gap = r->headway + rollout_lead_x(r, t) - ego_x;
 	const float closing = ego_v - rollout_lead_v(r, t);
 	const float dv = (t < r->lead_stop ? r->al : 0.0f) - ego_dv;
@@ -459,11 +499,14 @@ HD void rollout_contact(struct rollout *r)
 	r->impact = r->want > 0.0f ? speed : r->impact;
 	r->hit_lo = lo;
 	r->hit_hi = hi;
-	r->hit_t = r->want > 0.0f ? next : r->hit_t;
+	r->hit_t = r->want > 0.0f ? next : t;
+	r->at_s = r->hit_t - r->onset;
+	r->at_two = r->at_s < r->sk ? 0.0f : 1.0f;
 	r->want = r->want > 0.0f ? more : 0.0f;
 }
 
 #define ROLLOUT_APPROACH_MAX 3 /* corrections after which what is found counts */
+#define ROLLOUT_SHORT_STEPS  2
 #define ROLLOUT_CONTACT_MAX  24
 
 /**
@@ -490,18 +533,32 @@ HD struct model_out rollout_sample(const struct rollout_plan *p, const float *in
 	rollout_scene(&r, p);
 	rollout_coast(&r, p);
 	rollout_match(&r, p);
+	rollout_kink_time(&r, p);
 	rollout_kink(&r, p);
 	rollout_stop(&r);
 	if (r.want > 0.0f) {
-		rollout_short(&r, p);
+		rollout_short(&r);
+		for (int i = 0; i < ROLLOUT_SHORT_STEPS; i++) {
+			rollout_fade(&r);
+			rollout_at(&r);
+			rollout_short_step(&r);
+		}
 	}
 	rollout_late(&r, p);
 	if (r.want > 0.0f) {
-		rollout_roll(&r, p);
+		rollout_fade(&r);
+		rollout_at(&r);
+		rollout_roll(&r);
 	}
-	rollout_near(&r);
-	for (int i = 0; i < ROLLOUT_APPROACH_MAX && r.want > 0.0f; i++) {
-		rollout_approach(&r);
+	if (r.lead_stop > 0.0f) {
+		rollout_near(&r);
+		rollout_near_fit(&r);
+		rollout_near_root(&r);
+		for (int i = 0; i < ROLLOUT_APPROACH_MAX && r.want > 0.0f; i++) {
+			rollout_fade(&r);
+			rollout_at(&r);
+			rollout_approach(&r);
+		}
 	}
 	out.flags = rollout_end(&r, p);
 	out.stop_m = r.stop;
@@ -510,6 +567,8 @@ HD struct model_out rollout_sample(const struct rollout_plan *p, const float *in
 	if (out.flags & MODEL_CONTACT) {
 		rollout_hit(&r);
 		for (int i = 0; i < ROLLOUT_CONTACT_MAX && r.want > 0.0f; i++) {
+			rollout_fade(&r);
+			rollout_at(&r);
 			rollout_contact(&r);
 		}
 		out.impact_mps = r.impact;

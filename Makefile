@@ -187,6 +187,79 @@ demo: deps-build all
 	$(Q)$(O)/aebmc generate --drive brake --out $(O)/demo/brake.log
 	$(Q)$(O)/aebmc replay --config can-dbc/vehicles/generic.conf --out $(O)/demo/out.log $(O)/demo/brake.log
 
+# ---- what --version says ---------------------------------------------------------------------------
+# A tarball of `make dist` carries the commit in the file .commit.
+GIT_COMMIT := $(or $(shell git describe --always --dirty=-modified --abbrev=12 --exclude '*' 2>/dev/null),$(shell \
+	cat .commit 2>/dev/null),unknown)
+CC_NAME    := $(shell $(CC) --version 2>/dev/null | head -n 1 | tr -d '"\\')
+CUDA_NAME  := $(if $(HAVE_CUDA),$(shell $(NVCC) --version | sed -n 's/.*release \([0-9.]*\).*/\1/p') for sm $(CUDA_SM),none)
+$(O)/gen/build.h: FORCE
+	$(Q)mkdir -p $(@D) && printf '#define BUILD_%s "%s"\n' COMMIT '$(GIT_COMMIT)' COMPILER '$(CC_NAME)' \
+		CUDA '$(CUDA_NAME)' >$@.new && { cmp -s $@.new $@ && rm $@.new || mv $@.new $@; }
+$(O)/daemon/build_info.o: $(O)/gen/build.h
+
+# ---- manual ------------------------------------------------------------------------------------------
+# scdoc files beside the programs; OPTIONS of aebmcd.conf(5) is what the daemon itself prints. Without scdoc, or where
+# the daemon cannot run (a cross build), there are none.
+MAN_ALL := $(O)/man/aebmcd.8 $(O)/man/aebmc.1 $(O)/man/aebmcd.conf.5
+MAN     := $(if $(CROSS),,$(if $(shell command -v scdoc),$(MAN_ALL)))
+.PHONY: man
+man: $(MAN)
+	$(if $(MAN),,@echo 'no man pages: scdoc is missing (apt-get install scdoc), or this is a cross build')
+$(O)/man/%: daemon/%.scd
+	$(call say,SCDOC,$@)
+	$(Q)mkdir -p $(@D) && SOURCE_DATE_EPOCH=0 scdoc <$< >$@
+$(O)/man/aebmc.1: tools/aebmc.1.scd tools/cmd.def
+	$(call say,SCDOC,$@)
+	$(Q)mkdir -p $(@D) && sed -n 's/^CMD(\([a-z]*\), "\(.*\)")$$/*\1*\n\t\2\n/p' tools/cmd.def >$@.subcommands
+	$(Q)sed -e '/^@SUBCOMMANDS@/{r $@.subcommands' -e 'd}' $< | SOURCE_DATE_EPOCH=0 scdoc >$@
+$(O)/man/aebmcd.conf.5: daemon/aebmcd.conf.5.scd $(O)/aebmcd
+	$(call say,SCDOC,$@)
+	$(Q)mkdir -p $(@D) && $(O)/aebmcd --print-options >$@.options
+	$(Q)sed -e '/^@OPTIONS@/{r $@.options' -e 'd}' $< | SOURCE_DATE_EPOCH=0 scdoc >$@
+
+# ---- install -----------------------------------------------------------------------------------------
+# make install PREFIX=/usr DESTDIR=...: no file outside the prefix; configurations in /etc/aebmc are the user's.
+PREFIX  ?= /usr/local
+UNITS   := $(patsubst %,$(O)/units/%,$(notdir $(wildcard systemd/*.service rt-config/*.service)))
+# mode:source:place below the prefix
+INSTALLED := 755:$(O)/aebmcd:sbin/aebmcd 755:$(O)/aebmc:bin/aebmc \
+	644:systemd/aebmc.sysusers:lib/sysusers.d/aebmc.conf 644:systemd/aebmc.tmpfiles:lib/tmpfiles.d/aebmc.conf \
+	644:systemd/60-aebmc.rules:lib/udev/rules.d/60-aebmc.rules \
+	644:systemd/80-aebmc-can.network:share/aebmc/80-aebmc-can.network \
+	644:tools/aebmc.bash:share/bash-completion/completions/aebmc \
+	644:can-dbc/aebmc.dbc:share/aebmc/aebmc.dbc \
+	$(foreach f,$(wildcard can-dbc/vehicles/*),644:$f:share/aebmc/vehicles/$(notdir $f)) \
+	$(foreach f,$(filter-out %.service,$(wildcard rt-config/*)),$(if $(findstring .,$(notdir $f)),644,755):$f:share/aebmc/$f) \
+	$(foreach f,$(UNITS),644:$f:lib/systemd/system/$(notdir $f)) \
+	$(foreach f,$(MAN),644:$f:share/man/man$(subst .,,$(suffix $f))/$(notdir $f))
+.PHONY: install uninstall dist
+# Units name the programs where they are installed.
+$(O)/units/%.service: FORCE
+	$(Q)mkdir -p $(@D) && sed -E '/^Exec/s|/usr/(sbin/aebmcd\|share/aebmc)|$(PREFIX)/\1|' \
+		$(wildcard systemd/$(@F) rt-config/$(@F)) >$@
+install: all man $(UNITS)
+	$(Q)set -e; for f in $(INSTALLED); do \
+		mode=$${f%%:*}; to=$${f##*:}; from=$${f#*:}; from=$${from%:*}; \
+		install -D -m $$mode "$$from" "$(DESTDIR)$(PREFIX)/$$to"; done
+	$(if $(DESTDIR),,@echo 'now as root: systemd-sysusers; systemd-tmpfiles --create; udevadm control --reload; \
+	udevadm trigger -n cpu_dma_latency; systemctl daemon-reload')
+uninstall:
+	$(Q)for f in $(INSTALLED) $(MAN_ALL:$(O)/man/%=::share/man/man*/%); do rm -f "$(DESTDIR)$(PREFIX)"/$${f##*:}; done
+	$(Q)rm -rf $(DESTDIR)$(PREFIX)/share/aebmc
+
+# A tarball of what is committed, with the packages to carry along to a machine without internet.
+DIST := aebmc-$(VERSION)
+dist:
+	$(Q)mkdir -p $(O)/dist && echo '$(GIT_COMMIT)' >$(O)/dist/.commit
+	$(Q){ echo '# Debian packages to build, check and run $(DIST). Where there is internet, in a folder of its own:'; \
+	echo "#   apt-get download \$$(grep -v '^#' packages.txt) and what apt-cache depends names; then there: dpkg -i *.deb"; \
+	printf '%s\n' $(sort $(DEPS_CHECK) $(DEPS_SERVICE)); } >$(O)/dist/packages.txt
+	$(Q)git archive --format=tar.gz --prefix=$(DIST)/ --add-file=$(O)/dist/.commit \
+		--add-file=$(O)/dist/packages.txt -o $(O)/$(DIST).tar.gz HEAD
+	$(call say,DIST,$(O)/$(DIST).tar.gz)
+DEPS_SERVICE := libsystemd-dev libsocketcan-dev scdoc bash-completion
+
 format:
 	$(Q)clang-format -i $(wildcard kernels/*.[ch] can-dbc/*.[ch] daemon/*.[ch] tools/*.[ch] tests/*.[ch])
 

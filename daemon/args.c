@@ -6,7 +6,7 @@
 #include <stdio.h>
 
 #include "args.h"
-#include "version.h"
+#include "build_info.h"
 
 enum {
 	KEY_CHECK = 0x100,
@@ -123,7 +123,13 @@ static const struct argp argp = {
 	NULL,
 	NULL,
 	NULL};
-const char *argp_program_version = "aebmcd " AEBMC_VERSION;
+
+static void print_version(FILE *out, struct argp_state *st)
+{
+	(void)st;
+	build_info_print("aebmcd", out);
+}
+void (*argp_program_version_hook)(FILE *out, struct argp_state *st) = print_version;
 
 int args_parse(int argc, char **argv, struct args *a)
 {

@@ -10,7 +10,11 @@ refuses 2 "$AEBMC" curv
 like "it names the nearest subcommand" "$tmp/err" "nearest is 'curve'"
 refuses 2 "$AEBMC" ""
 refuses 2 "$AEBMC" help nosuch
-is "version is the Makefile's" "$("$AEBMC" --version)" "aebmc $(sed -n 's/^VERSION := //p' Makefile)"
+is "version is the Makefile's" "$("$AEBMC" --version | head -n 1)" "aebmc $(sed -n 's/^VERSION := //p' Makefile)"
+for what in commit compiler cuda contract; do
+	is "--version: both programs name the same $what" "$("$AEBMC" --version | grep "^$what  *[^ ]")" \
+		"$("$O/aebmcd" --version | grep "^$what  *[^ ]" || echo none)"
+done
 exits "help" 0 "$AEBMC" help
 for sub in $subs; do
 	like "help lists $sub" "$tmp/out" "^  $sub "

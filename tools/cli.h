@@ -8,9 +8,6 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
-#include "version.h"
-
-#define CLI_VERSION AEBMC_VERSION
 
 enum cli_exit { CLI_GOOD = 0, CLI_FAILED = 1, CLI_USAGE = 2, CLI_SKIPPED = 77, CLI_CONFIG = 78 };
 

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include "build_info.h"
 #include "cli.h"
 #include "cmd.h"
 #include "text.h"
@@ -53,7 +54,7 @@ static int run(const struct cmd *cmd, int argc, char **argv)
 
 static int version(void)
 {
-	puts("aebmc " CLI_VERSION);
+	build_info_print("aebmc", stdout);
 	return CLI_GOOD;
 }
 

@@ -36,23 +36,55 @@ void stats_wilson(uint64_t k, uint64_t n, double *lo, double *hi)
 	*hi = k == n ? 1.0 : k == 0 ? three : mid + half;
 }
 
-double stats_quantile(const uint64_t h[MC_HIST_BINS], double off_m, double q)
+#define GROUP  64 /* bins summed up first, so that a quantile need not look at every bin */
+#define GROUPS (MC_HIST_BINS / GROUP)
+
+static void group_sums(const uint64_t h[MC_HIST_BINS], uint64_t sum[GROUPS])
+{
+	for (int g = 0; g < GROUPS; g++) {
+		sum[g] = 0;
+		for (int i = 0; i < GROUP; i++) {
+			sum[g] += h[g * GROUP + i];
+		}
+	}
+}
+
+/* Does what is counted up to here and in @next end below @want? Empty bins are passed over. */
+static int ends_below(uint64_t below, uint64_t next, double want)
+{
+	return next == 0 || (double)(below + next) < want;
+}
+
+static double quantile(const uint64_t h[MC_HIST_BINS], const uint64_t sum[GROUPS], double off_m,
+		       double q)
 {
 	uint64_t total = 0, below = 0;
+	int group = 0, bin;
 	double want;
-	int bin = 0;
 
-	for (int i = 0; i < MC_HIST_BINS; i++) {
-		total += h[i];
+	for (int g = 0; g < GROUPS; g++) {
+		total += sum[g];
 	}
 	want = q * (double)total;
-	while (bin < MC_HIST_BINS - 1 && (h[bin] == 0 || (double)(below + h[bin]) < want)) {
+	while (group < GROUPS - 1 && ends_below(below, sum[group], want)) {
+		below += sum[group++];
+	}
+	bin = group * GROUP;
+	while (bin < MC_HIST_BINS - 1 && ends_below(below, h[bin], want)) {
 		below += h[bin++];
 	}
 	if (bin == MC_HIST_BINS - 1) {
 		return NAN;
 	}
 	return off_m + MC_HIST_BIN_M * (bin + (want - (double)below) / (double)h[bin]);
+}
+
+double stats_quantile(const uint64_t h[MC_HIST_BINS], double off_m, double q)
+{
+	uint64_t sum[GROUPS];
+
+	group_sums(h, sum);
+	return quantile(h, sum, off_m, q);
 }
 
 static struct mc_risk finish_risk(const struct mc_request *req, const struct stats_sums *s, int i)
@@ -87,6 +119,7 @@ void stats_finish(const struct mc_request *req, const struct stats_sums *sums,
 		  const struct mc_hist *hist, struct mc_result *res)
 {
 	int want = req->flags & MC_WANT_HIST && sums->n > 0;
+	uint64_t need[GROUPS];
 
 	memset(res, 0, sizeof(*res));
 	res->id = req->id;
@@ -102,9 +135,12 @@ void stats_finish(const struct mc_request *req, const struct stats_sums *sums,
 					   STATS_UNIT_PER_M
 				: NAN;
 	res->stop_sd_m = want ? finish_sd(sums) : NAN;
+	if (want) {
+		group_sums(hist->need, need);
+	}
 	for (int i = 0; i < MC_RISKS; i++) {
 		res->headway_m[i] =
-			want ? stats_quantile(hist->need, -MC_HIST_NEED_OFF, 1.0 - mc_risk_level[i])
+			want ? quantile(hist->need, need, -MC_HIST_NEED_OFF, 1.0 - mc_risk_level[i])
 			     : NAN;
 	}
 }

@@ -258,6 +258,17 @@ static void clamp_at_standstill(double x[SCENE_DIM])
 	x[SCENE_HEADWAY] = x[SCENE_HEADWAY] > 0 ? x[SCENE_HEADWAY] : 0;
 }
 
+/* A vehicle that stands does not drive off, one that comes to a stop goes on braking: otherwise noise about 0 would let
+ * half of a standing car's futures drive away. The filter itself stays free, to see when it does drive off. */
+static void hold_if_standing(const struct config *c, struct kalman *k)
+{
+	const double a = k->x[SCENE_LEAD_ACCEL];
+
+	if (k->x[SCENE_LEAD_SPEED] < c->filter_standing_speed) {
+		kalman_set_lead_accel(k, a < 0 ? a : 0, c->filter_standing_sigma);
+	}
+}
+
 /* The filter at @now_ns, with the ego speeds that it has not seen yet. */
 static void predict(const struct estimator *e, const struct kalman *from, int64_t now_ns,
 		    struct scene *s)
@@ -272,7 +283,7 @@ static void predict(const struct estimator *e, const struct kalman *from, int64_
 		kalman_update(&k, KALMAN_EGO_SPEED, speed->mps, c->filter_ego_sigma);
 	}
 	kalman_predict(&k, now_ns, c->filter_ego_jerk, c->filter_lead_jerk);
-	tracker_hold_standing(c, &k);
+	hold_if_standing(c, &k);
 	for (int i = 0; i < SCENE_DIM; i++) {
 		s->x[i] = k.x[i];
 		for (int j = 0; j < SCENE_DIM; j++) {

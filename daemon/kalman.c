@@ -113,6 +113,19 @@ static void multiply(double a[SCENE_DIM][SCENE_DIM], double b[SCENE_DIM][SCENE_D
 	}
 }
 
+/* A lead that brakes to standstill within @dt stands from there on; @before is where it was. */
+static void stop_lead(double x[SCENE_DIM], const double before[SCENE_DIM], double dt)
+{
+	const double v = before[SCENE_LEAD_SPEED], a = before[SCENE_LEAD_ACCEL];
+
+	if (v < 0 || x[SCENE_LEAD_SPEED] >= 0) {
+		return;
+	}
+	x[SCENE_HEADWAY] += v * v / (-2 * a) - (v * dt + a * dt * dt / 2);
+	x[SCENE_LEAD_SPEED] = 0;
+	x[SCENE_LEAD_ACCEL] = 0;
+}
+
 void kalman_predict(struct kalman *k, int64_t t_ns, double q_ego, double q_lead)
 {
 	double f[SCENE_DIM][SCENE_DIM], fp[SCENE_DIM][SCENE_DIM], x[SCENE_DIM] = {0};
@@ -127,6 +140,7 @@ void kalman_predict(struct kalman *k, int64_t t_ns, double q_ego, double q_lead)
 			x[i] += f[i][j] * k->x[j];
 		}
 	}
+	stop_lead(x, k->x, dt);
 	memcpy(k->x, x, sizeof(x));
 	multiply(f, k->p, 0, fp);
 	multiply(fp, f, 1, k->p);

@@ -42,6 +42,7 @@ void kalman_set_lead_accel(struct kalman *k, double accel, double sigma);
 
 /**
  * kalman_predict - to @t_ns; a time that has passed changes nothing
+ * A lead that brakes to standstill on the way stands; one that moves backwards already goes on.
  * @q_ego, @q_lead: spectral density of the jerk [m2/s5], > 0
  */
 void kalman_predict(struct kalman *k, int64_t t_ns, double q_ego, double q_lead);

@@ -105,15 +105,6 @@ static void strike_out(struct tracker *t, int n_det, int object, int det)
 	}
 }
 
-void tracker_hold_standing(const struct config *c, struct kalman *k)
-{
-	const double v = k->x[SCENE_LEAD_SPEED], a = k->x[SCENE_LEAD_ACCEL];
-
-	if (v < c->filter_standing_speed && v > -c->filter_standing_speed) {
-		kalman_set_lead_accel(k, v > 0 && a < 0 ? a : 0, c->filter_standing_sigma);
-	}
-}
-
 /* ---- life of an object ---------------------------------------------------------------------- */
 
 static int is_confirmed(const struct tracker *t, const struct tracker_object *o)
@@ -128,7 +119,6 @@ static void follow(const struct tracker *t, struct tracker_object *o, const stru
 
 	kalman_update(&o->k, KALMAN_DISTANCE, d->distance_m, c->radar_range_sigma);
 	kalman_update(&o->k, KALMAN_RATE, d->rate_mps, c->radar_rate_sigma);
-	tracker_hold_standing(c, &o->k);
 	o->lateral_m += (d->lateral_m - o->lateral_m) * 2 / (double)(c->radar_confirm_scans + 1);
 	o->existence = d->existence;
 	o->seen_ns = seen_ns;
@@ -200,10 +190,13 @@ double tracker_lateral(const struct tracker *t, const struct tracker_object *o)
 	return o->lateral_m - t->curvature * d * d / 2;
 }
 
-/* What comes towards us on purpose is oncoming traffic, not a lead. */
+/* What surely comes towards us is oncoming traffic, not a lead; a filter may overshoot when its lead stops. */
 static int is_oncoming(const struct config *c, const struct tracker_object *o)
 {
-	return o->k.x[SCENE_LEAD_SPEED] < -c->filter_standing_speed;
+	const double v = o->k.x[SCENE_LEAD_SPEED] + c->filter_standing_speed;
+
+	return v < 0 &&
+	       v * v > c->filter_gate * c->filter_gate * o->k.p[SCENE_LEAD_SPEED][SCENE_LEAD_SPEED];
 }
 
 static int may_lead(const struct tracker *t, const struct tracker_object *o)

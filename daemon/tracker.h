@@ -58,12 +58,6 @@ void tracker_ego_speed(struct tracker *t, int64_t t_ns, double speed_mps);
  */
 void tracker_scan(struct tracker *t, const struct tracker_scan *s);
 
-/**
- * tracker_hold_standing - a vehicle slower than standing_speed does not accelerate; it may come to a stop
- * Without this, noise about 0 would let half of a standing car's futures drive away.
- */
-void tracker_hold_standing(const struct config *c, struct kalman *k);
-
 /** tracker_lead - the nearest confirmed object in the corridor, or NULL. */
 const struct tracker_object *tracker_lead(const struct tracker *t);
 

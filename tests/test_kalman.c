@@ -172,6 +172,27 @@ static void prediction_moves_both_vehicles(void **state)
 	assert_int_equal(k.t_ns, 1500 * MS);
 }
 
+static void a_braking_lead_stops(void **state)
+{
+	struct kalman k = some_scene();
+
+	(void)state;
+	k.x[SCENE_LEAD_SPEED] = 1;
+	k.x[SCENE_LEAD_ACCEL] = -4;
+	kalman_predict(&k, 1500 * MS, 5, 5); /* 0.125 m in 0.25 s */
+	assert_near(k.x[SCENE_HEADWAY], 30 + 0.125 - (20 * 0.5 - 0.125), 1e-12);
+	assert_near(k.x[SCENE_LEAD_SPEED], 0, 0);
+	assert_near(k.x[SCENE_LEAD_ACCEL], 0, 0);
+	assert_sound(&k);
+	kalman_predict(&k, 1600 * MS, 5, 5);
+	assert_near(k.x[SCENE_LEAD_SPEED], 0, 0);
+	/* oncoming traffic that brakes the other way */
+	k.x[SCENE_LEAD_SPEED] = -5;
+	k.x[SCENE_LEAD_ACCEL] = -1;
+	kalman_predict(&k, 1700 * MS, 5, 5);
+	assert_near(k.x[SCENE_LEAD_SPEED], -5.1, 1e-12);
+}
+
 static void the_past_changes_nothing(void **state)
 {
 	struct kalman k = some_scene();
@@ -367,6 +388,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(follows_the_oracle),
 		cmocka_unit_test(prediction_moves_both_vehicles),
+		cmocka_unit_test(a_braking_lead_stops),
 		cmocka_unit_test(the_past_changes_nothing),
 		cmocka_unit_test(two_steps_are_one),
 		cmocka_unit_test(innovation_is_what_an_update_expects),

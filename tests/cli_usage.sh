@@ -71,6 +71,9 @@ refuses 2 "$AEBMC" replay --config "$car" a.log b.log
 refuses 2 "$AEBMC" replay --config "$car" --threads 0 -
 refuses 2 "$AEBMC" replay --config "$car" --json --csv - -
 refuses 2 "$AEBMC" replay --config "$car" --csv - --out - -
+refuses 2 "$AEBMC" replay --config "$car" --requests a.requests b.log
+refuses 2 "$AEBMC" replay --config "$car" --requests a.requests --csv -
+refuses 1 "$AEBMC" replay --config "$car" --requests "$tmp/nosuch.requests"
 refuses 1 "$AEBMC" replay --config "$car" "$tmp/nosuch.log"
 refuses 1 "$AEBMC" replay --config "$car" "$tmp"
 refuses 1 "$AEBMC" replay --config "$car" --out "$tmp/no/such/dir" -

@@ -10,17 +10,20 @@
 #include "csv.h"
 #include "engine.h"
 #include "replay.h"
+#include "requests.h"
 
 /* ---- arguments --------------------------------------------------------------------------------- */
 
 enum { BACKEND_AUTO, BACKEND_CPU }; /* of mc.backend in config.def */
-enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON };
+enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON, KEY_REQUESTS };
 
 static const struct argp_option options[] = {
 	{"out", KEY_OUT, "FILE", 0, "write our frames as a candump log, - for standard output", 1},
 	{"csv", KEY_CSV, "FILE", 0, "one row per evaluation, - for standard output", 1},
 	{"threads", 't', "N", 0, "compute threads, 1..64; no output depends on it", 1},
 	{"json", KEY_JSON, NULL, 0, "one JSON object on standard output", 1},
+	{"requests", KEY_REQUESTS, "FILE", 0,
+	 "no LOG: rerun the requests of an event and compare the results bit for bit", 1},
 	{0},
 };
 static const struct argp_child children[] = {{&setup_argp, 0, NULL, 0}, {0}};
@@ -32,6 +35,11 @@ static int is_stdout(const char *path)
 
 static error_t check(const struct argp_state *st, const struct replay_args *a)
 {
+	if (a->requests) {
+		return a->log || a->out || a->csv
+			       ? cli_bad(st, "--requests goes without LOG, --out and --csv")
+			       : 0;
+	}
 	if (!a->log) {
 		return cli_bad(st, "which LOG? a file from candump -L, or - for standard input");
 	}
@@ -64,6 +72,9 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case KEY_JSON:
 		a->json = 1;
 		return 0;
+	case KEY_REQUESTS:
+		a->requests = arg;
+		return 0;
 	case ARGP_KEY_ARG:
 		if (a->log) {
 			return cli_bad(st, "'%s': one LOG at a time", arg);
@@ -79,7 +90,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 
 static const struct argp argp = {options,
 				 parse,
-				 "LOG",
+				 "LOG\n--requests FILE",
 				 "Replays a candump log through the daemon's pipeline and tells "
 				 "what it would have done and when.",
 				 children,
@@ -252,6 +263,9 @@ int cmd_replay(int argc, char **argv)
 
 	if (code) {
 		return code;
+	}
+	if (a.requests) {
+		return requests_run(argv[0], &a);
 	}
 	code = open_all(&r);
 	code = code ? code : replay(&r);

@@ -15,7 +15,8 @@
 struct replay_args {
 	struct setup setup;
 	const char *log, *out, *csv;
-	int64_t threads; /* 0: the configuration's */
+	const char *requests; /* NULL: a log */
+	int64_t threads;      /* 0: the configuration's */
 	int json;
 };
 

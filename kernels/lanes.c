@@ -34,6 +34,7 @@ _Static_assert(offsetof(struct lanes_block, delay) == MODEL_DELAY * LANES * size
 
 LANE_STAGE(scene, rollout_scene(&r, &p))
 LANE_STAGE(coast, rollout_coast(&r, &p))
+LANE_STAGE(unbraked, rollout_unbraked(&r))
 LANE_STAGE(match, rollout_match(&r, &p))
 LANE_STAGE(kink_time, rollout_kink_time(&r, &p))
 LANE_STAGE(kink, rollout_kink(&r, &p))
@@ -49,6 +50,7 @@ LANE_STAGE(near_fit, rollout_near_fit(&r))
 LANE_STAGE(near_root, rollout_near_root(&r))
 LANE_STAGE(approach, rollout_approach(&r))
 LANE_STAGE(hit, rollout_hit(&r))
+LANE_STAGE(hit_guess, rollout_hit_guess(&r))
 LANE_STAGE(contact, rollout_contact(&r))
 
 static void lane_end(struct lanes_block *restrict b, const struct rollout_plan *restrict plan,
@@ -123,47 +125,74 @@ static void lane_bins(struct lanes_work *restrict w, float mean_headway_m, uint3
 	}
 }
 
-/* First contact of the pooled lanes; none of it depends on the future they come from. */
+static void impact(struct lanes_block *b, const struct rollout_plan *p)
+{
+	lane_hit_guess(b, p);
+	for (int i = 0; i < ROLLOUT_CONTACT_MAX && lane_wanted(b->want); i++) {
+		lane_fade(b, p);
+		lane_at(b, p);
+		lane_contact(b, p);
+	}
+}
+
+static void put_impact(const struct lanes_job *job, uint32_t future, uint32_t index, float mps)
+{
+	if (job->sums) {
+		job->sums->impact_units[future] += (uint32_t)tally_units(mps);
+	}
+	if (job->out) {
+		job->out[(size_t)future * job->out_stride + index].impact_mps = mps;
+	}
+}
+
+/* None of this depends on the future a lane comes from. */
 static void pool_flush(struct lanes_work *w, const struct lanes_job *job)
 {
-	struct lanes_block *b = &w->pool;
-
-	lane_hit(b, &job->future[0]);
-	for (int i = 0; i < ROLLOUT_CONTACT_MAX && lane_wanted(b->want); i++) {
-		lane_fade(b, &job->future[0]);
-		lane_at(b, &job->future[0]);
-		lane_contact(b, &job->future[0]);
-	}
+	lane_hit(&w->pool, &job->future[0]);
+	impact(&w->pool, &job->future[0]);
 	for (uint32_t i = 0; i < w->pooled; i++) {
-		if (job->sums) {
-			job->sums->impact_units[w->pool_future[i]] +=
-				(uint32_t)tally_units(b->impact[i]);
-		}
-		if (job->out) {
-			job->out[(size_t)w->pool_future[i] * job->out_stride + w->pool_index[i]]
-				.impact_mps = b->impact[i];
-		}
+		put_impact(job, w->pool_future[i], w->pool_index[i], w->pool.impact[i]);
 	}
 	w->pooled = 0;
 }
 
+/* Few lanes of a block collide: collect them, until a block is full. */
 static void pool_add(struct lanes_work *w, const struct lanes_job *job, uint32_t n, uint32_t future,
 		     uint32_t first)
 {
 	const struct lanes_block *b = &w->block;
 
 	for (uint32_t i = 0; i < n; i++) {
+		const uint32_t at = w->pooled;
+
 		if (!(w->flags[i] & MODEL_CONTACT)) {
 			continue;
 		}
-		const uint32_t at = w->pooled;
 #define POOL(name) w->pool.name[at] = b->name[i];
-		ROLLOUT_FIELDS(POOL)
+		ROLLOUT_KEPT(POOL)
 #undef POOL
 		w->pool_future[at] = future;
 		w->pool_index[at] = first + i;
 		if (++w->pooled == LANES) {
 			pool_flush(w, job);
+		}
+	}
+}
+
+/* Most lanes of a block collide: the block itself. */
+static void impact_all(struct lanes_work *w, const struct lanes_job *job, uint32_t n,
+		       uint32_t future, uint32_t first)
+{
+	struct lanes_block *b = &w->block;
+
+	lane_hit(b, &job->future[future]);
+	for (int i = 0; i < LANES; i++) {
+		b->want[i] = w->flags[i] & MODEL_CONTACT ? b->want[i] : 0.0f;
+	}
+	impact(b, &job->future[future]);
+	for (uint32_t i = 0; i < n; i++) {
+		if (w->flags[i] & MODEL_CONTACT) {
+			put_impact(job, future, first + i, b->impact[i]);
 		}
 	}
 }
@@ -199,11 +228,8 @@ static void put(struct lanes_work *w, const struct lanes_job *job, uint32_t n, u
 	}
 }
 
-static void roll(struct lanes_work *w, const struct rollout_plan *p)
+static void brake(struct lanes_block *b, const struct rollout_plan *p)
 {
-	struct lanes_block *b = &w->block;
-
-	lane_coast(b, p);
 	lane_match(b, p);
 	lane_kink_time(b, p);
 	lane_kink(b, p);
@@ -232,7 +258,17 @@ static void roll(struct lanes_work *w, const struct rollout_plan *p)
 			lane_approach(b, p);
 		}
 	}
-	lane_end(b, p, w->flags);
+}
+
+static void roll(struct lanes_work *w, const struct rollout_plan *p)
+{
+	lane_coast(&w->block, p);
+	if (rollout_brakes(p)) {
+		brake(&w->block, p);
+	} else {
+		lane_unbraked(&w->block, p);
+	}
+	lane_end(&w->block, p, w->flags);
 }
 
 /* The draws of a block; an incomplete one is filled up with copies of its first sample. */
@@ -254,6 +290,26 @@ static const float *draws(struct lanes_work *w, const struct lanes_job *job, uin
 	return w->tail[0];
 }
 
+static void future(struct lanes_work *w, const struct lanes_job *job, uint32_t first, uint32_t n,
+		   uint32_t f)
+{
+	roll(w, &job->future[f]);
+	if (job->sums) {
+		count(w, job, n, f);
+	}
+	if (job->out) {
+		put(w, job, n, f, first);
+	}
+	if (!(job->flags & MC_WANT_IMPACT)) {
+		return;
+	}
+	if (lane_count(w->flags, n, MODEL_CONTACT) > LANES / 2) {
+		impact_all(w, job, n, f, first);
+	} else {
+		pool_add(w, job, n, f, first);
+	}
+}
+
 static void block(struct lanes_work *w, const struct lanes_job *job, uint32_t first, uint32_t n)
 {
 	uint32_t stride;
@@ -273,16 +329,7 @@ static void block(struct lanes_work *w, const struct lanes_job *job, uint32_t fi
 	}
 	lane_scene(&w->block, &job->future[0]);
 	for (uint32_t f = 0; f < job->n_futures; f++) {
-		roll(w, &job->future[f]);
-		if (job->sums) {
-			count(w, job, n, f);
-		}
-		if (job->out) {
-			put(w, job, n, f, first);
-		}
-		if (job->flags & MC_WANT_IMPACT) {
-			pool_add(w, job, n, f, first);
-		}
+		future(w, job, first, n, f);
 	}
 }
 

@@ -45,7 +45,7 @@ struct rollout_plan {
 #define ROLLOUT_NEAR(X) \
 	X(near_a) X(near_b) X(near_c) X(near_d) X(near_lo) X(near_hi) X(near_s) X(near_rel) X(need)
 /* First contact, and 1 or 0 for a lane that a correction still works on. */
-#define ROLLOUT_HIT(X) X(hit_t) X(hit_lo) X(hit_hi) X(impact) X(want)
+#define ROLLOUT_HIT(X) X(hit_t) X(hit_lo) X(hit_hi) X(hit_x) X(hit_v) X(hit_c) X(impact) X(want)
 
 #define ROLLOUT_FIELDS(X) \
 	ROLLOUT_INPUTS(X) \
@@ -57,6 +57,14 @@ struct rollout_plan {
 	ROLLOUT_AT(X)     \
 	ROLLOUT_NEAR(X)   \
 	ROLLOUT_HIT(X)
+
+/* What the stages from rollout_hit on read. */
+#define ROLLOUT_KEPT(X)  \
+	ROLLOUT_SCENE(X) \
+	ROLLOUT_COAST(X) \
+	ROLLOUT_MATCH(X) \
+	X(headway)       \
+	X(v0) X(a0) X(vl) X(al) X(tau) X(sk) X(v2) X(x2) X(end_s) X(near_lo) X(near_s) X(near_rel)
 
 struct rollout {
 #define ROLLOUT_MEMBER(name) float name;
@@ -120,6 +128,24 @@ HD void rollout_coast(struct rollout *r, const struct rollout_plan *p)
 	r->v1 = stop > onset ? v1 : 0.0f;
 	r->x1 = t1 * det_fmaf(0.5f * r->a0, t1, r->v0);
 	r->near_0 = t0 < det_minf(onset, r->lead_stop) ? 0.5f * closing * t0 : 0.0f;
+}
+
+/** rollout_unbraked - instead of the stages up to rollout_near: the horizon comes before the brake acts. */
+HD void rollout_unbraked(struct rollout *r)
+{
+	r->sk = ROLLOUT_NEVER_S;
+	r->end_s = 0.0f;
+	r->end_v = r->v1;
+	r->stop = r->x1;
+	r->near_lo = 0.0f;
+	r->near_s = 0.0f;
+	r->near_rel = 0.0f;
+}
+
+/** rollout_brakes - 0 if no lane of the batch brakes before the horizon. */
+HD int rollout_brakes(const struct rollout_plan *p)
+{
+	return p->extra_s < p->horizon_s;
 }
 
 /* Speed and distance after s under v' = -(c + k v^2) from v0: Pade form of tan, any sign of c and k >= 0. */
@@ -443,71 +469,142 @@ HD uint32_t rollout_end(struct rollout *r, const struct rollout_plan *p)
 	return rolling | (r->headway > r->need ? open : MODEL_CONTACT);
 }
 
-/** rollout_hit - bracket the first contact of a lane that has one; sets want. */
+/**
+ * rollout_hit - bracket the first contact of a lane that has one: before onset, in P1 or in P2
+ * hit_x, hit_v, hit_c: position, speed and deceleration with which that part begins, for P1 those of its flow.
+ */
 HD void rollout_hit(struct rollout *r)
 {
-	const float gap_d = r->headway + rollout_lead_x(r, r->onset) - r->x1;
 	const float tk = r->onset + r->sk;
+	const float gap_d = r->headway + rollout_lead_x(r, r->onset) - r->x1;
 	const float gap_k = r->headway + rollout_lead_x(r, tk) - r->x1 - r->x2;
 	const float near =
 		r->headway + r->near_rel > 0.0f ? 0.0f : 1.0f; /* contact by near_s at the latest */
+	const float near_1 = r->near_lo > 0.0f ? 0.0f : near;
+	const float late = r->sk < ROLLOUT_NEVER_S ? gap_k - near_1 * 1e6f
+						   : -1.0f; /* > 0: not before the kink */
+	const float early = det_minf(gap_d, r->headway - r->near_0);
 	const float end = r->onset + (near > 0.0f ? r->near_s : r->end_s);
-	float in_p2 = r->sk < ROLLOUT_NEVER_S ? gap_k : -1.0f;
-	float hi;
+	const float hi = late > 0.0f ? end : det_minf(end, tk);
+	const float lo = late > 0.0f ? tk : r->onset;
+	const float x = late > 0.0f ? r->x1 + r->x2 : r->x1 - r->d0;
+	const float v = late > 0.0f ? r->v2 : r->r0;
+	const float c = late > 0.0f ? r->bound + r->grade : r->c1;
 
-	in_p2 = (r->near_lo > 0.0f ? 0.0f : near) > 0.0f ? -1.0f
-							 : in_p2; /* the colliding root is in P1 */
-	hi = det_minf(end, in_p2 > 0.0f ? end : tk);
-	r->hit_lo = r->onset + (in_p2 > 0.0f ? r->sk : 0.0f);
-	hi = gap_d > 0.0f ? hi : r->onset;
-	r->hit_lo = gap_d > 0.0f ? r->hit_lo : 0.0f;
-	hi = r->headway > r->near_0 ? hi : r->onset;
-	r->hit_lo = r->headway > r->near_0 ? r->hit_lo : 0.0f;
-	r->hit_hi = hi;
-	r->hit_t = r->hit_lo;
-	r->at_s = r->hit_lo - r->onset;
-	r->at_two = r->at_s < r->sk ? 0.0f : 1.0f;
+	r->at_two = late > 0.0f ? 1.0f : 0.0f;
+	r->hit_lo = early > 0.0f ? lo : 0.0f;
+	r->hit_hi = early > 0.0f ? hi : r->onset;
+	r->hit_x = early > 0.0f ? x : 0.0f;
+	r->hit_v = early > 0.0f ? v : r->v0;
+	r->hit_c = early > 0.0f ? det_fmaf(r->k * v, v, c) : -r->a0;
 	r->impact = det_maxf(r->v0 - r->vl, 0.0f);
 	r->want = r->headway > 0.0f ? 1.0f : 0.0f;
+}
+
+/** rollout_hit_guess - first contact under constant deceleration, with a lead that stands if it does so before. */
+HD void rollout_hit_guess(struct rollout *r)
+{
+	const float t = r->hit_lo, left = r->lead_stop - t;
+	const float gap = r->headway + rollout_lead_x(r, t) - r->hit_x;
+	const float closing = r->hit_v - rollout_lead_v(r, t);
+	const float dv = left > 0.0f ? r->hit_c + r->al : r->hit_c;
+	/* when the lead stops they are still apart and closing: from there it stands */
+	const float then = det_fmaf(left, det_fmaf(left, 0.5f * dv, -closing), gap);
+	const float apart = det_minf(det_minf(left, then), det_fmaf(-left, dv, closing));
+	const float far = r->headway + rollout_lead_x(r, r->lead_stop) - r->hit_x;
+	const float g = apart > 0.0f ? far : gap;
+	const float v = apart > 0.0f ? r->hit_v : closing;
+	const float c = apart > 0.0f ? r->hit_c : dv;
+	const float root = det_sqrtf(det_maxf(det_fmaf(v, v, -2.0f * c * g), 0.0f));
+
+	r->hit_t = det_minf(det_maxf(t + 2.0f * g / det_maxf(v + root, 1e-3f), t), r->hit_hi);
+	r->at_s = r->hit_t - r->onset;
 }
 
 /** rollout_contact - one correction of the first contact, and the impact speed seen from there. Lanes with want. */
 HD void rollout_contact(struct rollout *r)
 {
 	const float t = r->hit_t;
-	const float early = t < r->onset ? 1.0f : 0.0f;
+	const float early = t > r->onset ? 0.0f : 1.0f;
 	const float ego_v = early > 0.0f ? det_fmaf(r->a0, t, r->v0) : r->at_v;
 	const float ego_x = early > 0.0f ? t * det_fmaf(0.5f * r->a0, t, r->v0) : r->x1 + r->at_x;
 	const float ego_dv = early > 0.0f ? r->a0 : r->at_dv;
-	const float jerk = early > 0.0f ? 0.0f : r->at_fe * r->rate;
+	const float stands = t < r->lead_stop ? 0.0f : 1.0f;
 	const float gap = r->headway + rollout_lead_x(r, t) - ego_x;
 	const float closing = ego_v - rollout_lead_v(r, t);
 	const float dv = (t < r->lead_stop ? r->al : 0.0f) - ego_dv;
 	const float speed = det_sqrtf(det_maxf(det_fmaf(closing, closing, -2.0f * gap * dv), 0.0f));
-	const float step = 2.0f * gap / det_maxf(closing + speed, 1e-6f);
+	const float aim = t + 2.0f * gap / det_maxf(closing + speed, 1e-6f);
 	const float lo = gap > 0.0f ? t : r->hit_lo, hi = gap > 0.0f ? r->hit_hi : t;
-	const float aim = t + step;
-	float next = aim < lo ? 0.5f * (lo + hi) : aim;
-	float more;
+	const float in = aim < lo ? 0.5f * (lo + hi) : aim;
+	const float next = det_minf(in, hi);
+	const float by = aim - t, by2 = by * by;
+	const float back =
+		det_fmaf(r->rate, det_maxf(-by, 0.0f), 1.0f); /* square root of the jerk's growth */
+	const float jerk = early > 0.0f ? 0.0f : r->at_fe * r->rate * back * back;
+	float more = (jerk * by2 < 4e-3f ? by2 : 1.0f) < 0.01f ? 0.0f : 1.0f;
 
-	next = aim > hi ? 0.5f * (lo + hi) : next;
-	more = (jerk * step * step < 4e-3f ? step * step : 1.0f) < 0.01f ? 0.0f : 1.0f;
-	more = (t < r->lead_stop ? 0.0f : 1.0f) == (aim < r->lead_stop ? 0.0f : 1.0f) ? more : 1.0f;
-	more = early == (aim < r->onset ? 1.0f : 0.0f) ? more : 1.0f;
+	more = stands == (aim < r->lead_stop ? 0.0f : 1.0f) ? more : 1.0f;
+	more = early == (aim > r->onset ? 0.0f : 1.0f) ? more : 1.0f;
 	more = speed > 0.0f ? more : 1.0f; /* the parabola seen from here misses */
-	more = step * step < 1e-8f ? 0.0f : more;
+	more = (next - t) * (next - t) < 1e-8f ? 0.0f : more;
 	r->impact = r->want > 0.0f ? speed : r->impact;
 	r->hit_lo = lo;
 	r->hit_hi = hi;
 	r->hit_t = r->want > 0.0f ? next : t;
 	r->at_s = r->hit_t - r->onset;
-	r->at_two = r->at_s < r->sk ? 0.0f : 1.0f;
 	r->want = r->want > 0.0f ? more : 0.0f;
 }
 
 #define ROLLOUT_APPROACH_MAX 3 /* corrections after which what is found counts */
 #define ROLLOUT_SHORT_STEPS  2
 #define ROLLOUT_CONTACT_MAX  24
+
+/* From onset to standstill or horizon, and the closest approach on the way. */
+HD void rollout_brake(struct rollout *r, const struct rollout_plan *p)
+{
+	rollout_match(r, p);
+	rollout_kink_time(r, p);
+	rollout_kink(r, p);
+	rollout_stop(r);
+	if (r->want > 0.0f) {
+		rollout_short(r);
+		for (int i = 0; i < ROLLOUT_SHORT_STEPS; i++) {
+			rollout_fade(r);
+			rollout_at(r);
+			rollout_short_step(r);
+		}
+	}
+	rollout_late(r, p);
+	if (r->want > 0.0f) {
+		rollout_fade(r);
+		rollout_at(r);
+		rollout_roll(r);
+	}
+	if (r->lead_stop > 0.0f) {
+		rollout_near(r);
+		rollout_near_fit(r);
+		rollout_near_root(r);
+		for (int i = 0; i < ROLLOUT_APPROACH_MAX && r->want > 0.0f; i++) {
+			rollout_fade(r);
+			rollout_at(r);
+			rollout_approach(r);
+		}
+	}
+}
+
+/* Impact speed of a lane in contact. */
+HD float rollout_impact(struct rollout *r)
+{
+	rollout_hit(r);
+	rollout_hit_guess(r);
+	for (int i = 0; i < ROLLOUT_CONTACT_MAX && r->want > 0.0f; i++) {
+		rollout_fade(r);
+		rollout_at(r);
+		rollout_contact(r);
+	}
+	return r->impact;
+}
 
 /**
  * rollout_sample - all stages of one lane, impact speed included
@@ -532,47 +629,15 @@ HD struct model_out rollout_sample(const struct rollout_plan *p, const float *in
 	r.delay = in[MODEL_DELAY * stride];
 	rollout_scene(&r, p);
 	rollout_coast(&r, p);
-	rollout_match(&r, p);
-	rollout_kink_time(&r, p);
-	rollout_kink(&r, p);
-	rollout_stop(&r);
-	if (r.want > 0.0f) {
-		rollout_short(&r);
-		for (int i = 0; i < ROLLOUT_SHORT_STEPS; i++) {
-			rollout_fade(&r);
-			rollout_at(&r);
-			rollout_short_step(&r);
-		}
-	}
-	rollout_late(&r, p);
-	if (r.want > 0.0f) {
-		rollout_fade(&r);
-		rollout_at(&r);
-		rollout_roll(&r);
-	}
-	if (r.lead_stop > 0.0f) {
-		rollout_near(&r);
-		rollout_near_fit(&r);
-		rollout_near_root(&r);
-		for (int i = 0; i < ROLLOUT_APPROACH_MAX && r.want > 0.0f; i++) {
-			rollout_fade(&r);
-			rollout_at(&r);
-			rollout_approach(&r);
-		}
+	if (rollout_brakes(p)) {
+		rollout_brake(&r, p);
+	} else {
+		rollout_unbraked(&r);
 	}
 	out.flags = rollout_end(&r, p);
 	out.stop_m = r.stop;
 	out.need_m = r.need;
-	out.impact_mps = 0.0f;
-	if (out.flags & MODEL_CONTACT) {
-		rollout_hit(&r);
-		for (int i = 0; i < ROLLOUT_CONTACT_MAX && r.want > 0.0f; i++) {
-			rollout_fade(&r);
-			rollout_at(&r);
-			rollout_contact(&r);
-		}
-		out.impact_mps = r.impact;
-	}
+	out.impact_mps = out.flags & MODEL_CONTACT ? rollout_impact(&r) : 0.0f;
 	return out;
 }
 

@@ -36,7 +36,7 @@ static struct mc_params params_of(const struct config *cfg)
 }
 
 int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
-		 enum publish_backend *which, char *err, int err_len)
+		enum publish_backend *which, char *err, int err_len)
 {
 	const struct mc_params p = params_of(cfg);
 	int status = -ENODEV;

@@ -14,6 +14,6 @@
  * @which: what it is, for STATUS. Allocates; blocks while draws are made. 0 or -errno, @err says why in one line.
  */
 int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
-		 enum publish_backend *which, char *err, int err_len);
+		enum publish_backend *which, char *err, int err_len);
 
 #endif

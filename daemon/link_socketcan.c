@@ -4,6 +4,8 @@
 #include "link.h"
 
 #include <libsocketcan.h>
+#include <stdio.h>
+#include <unistd.h>
 
 static const char *const state_text[] = {
 	[CAN_STATE_ERROR_ACTIVE] = "error-active",
@@ -14,7 +16,15 @@ static const char *const state_text[] = {
 	[CAN_STATE_SLEEPING] = "sleeping",
 };
 
-/* A virtual interface has a state but no bit timing. */
+/* A virtual interface has no controller, and libsocketcan would complain of it on standard error at every call. */
+static int has_controller(const char *name)
+{
+	char path[64];
+
+	snprintf(path, sizeof(path), "/sys/class/net/%s/device", name);
+	return access(path, F_OK) == 0;
+}
+
 void link_read(const char *name, struct link_state *l)
 {
 	struct can_berr_counter errors = {0};
@@ -22,8 +32,8 @@ void link_read(const char *name, struct link_state *l)
 	int state;
 
 	*l = (struct link_state){.state = "unknown"};
-	if (can_get_state(name, &state) || state < 0 || state > CAN_STATE_SLEEPING ||
-	    can_get_bittiming(name, &timing)) {
+	if (!has_controller(name) || can_get_state(name, &state) || state < 0 ||
+	    state > CAN_STATE_SLEEPING || can_get_bittiming(name, &timing)) {
 		return;
 	}
 	l->known = 1;

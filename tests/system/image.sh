@@ -19,7 +19,7 @@ mkdir -p "$work"
 trap 'rm -rf "$work"' EXIT
 
 packages=linux-image-rt-amd64,systemd,systemd-sysv,udev,dbus,iproute2,kmod,procps,can-utils,lttng-tools,liblttng-ust1
-packages=$packages,babeltrace2,python3-minimal,jq,strace,stress-ng,libsystemd0,make,xz-utils
+packages=$packages,babeltrace2,python3,jq,strace,stress-ng,libsystemd0,libsocketcan2,make,xz-utils
 mmdebstrap --quiet --variant=minbase --include="$packages" \
 	--dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-exclude=/usr/share/man/*' \
 	--dpkgopt='path-exclude=/usr/share/locale/*' bookworm "$root" >&2

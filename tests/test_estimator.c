@@ -1,0 +1,680 @@
+/* SPDX-License-Identifier: MIT
+ * Frames in, scene out: the end of a scan, staleness of each input alone, the ego speed, what the scene says, and frames
+ * that must leave no trace.
+ */
+#include "drives.h"
+
+#include <malloc.h>
+
+#define MS CLOCK_NS_PER_MS
+
+static const char *const cars[] = {"generic", "toyota-tss-p"};
+
+struct bench {
+	struct config cfg;
+	struct mapping *map;
+	struct encode encode;
+	struct estimator *e;
+	int64_t t_ns;
+	double speed_mps, gap_m, rate_mps;
+	uint32_t roles; /* known to the car */
+	double value[MAP_ROLES];
+	uint64_t silent; /* slots that send nothing */
+	int lead, deaf;  /* a lead is there; no ego messages */
+	int ended;       /* scans ended */
+};
+
+static void open_bench(struct bench *b, const char *car)
+{
+	*b = (struct bench){.t_ns = 1000 * MS,
+			    .speed_mps = 20,
+			    .gap_m = 30,
+			    .roles = (1u << MAP_ROLES) - 1,
+			    .lead = 1};
+	b->map = drives_load(car, &b->cfg);
+	encode_open(&b->encode, b->map);
+	assert_int_equal(estimator_open(&b->cfg, b->map, &b->e), 0);
+}
+
+static void close_bench(struct bench *b)
+{
+	estimator_close(b->e);
+	config_mapping_free(b->map);
+}
+
+static int give(struct bench *b, const struct bus_frame *f)
+{
+	const int ended = estimator_frame(b->e, f);
+
+	b->ended += ended;
+	return ended;
+}
+
+static struct bus_frame make_ego(struct bench *b, int message)
+{
+	struct bus_frame f;
+
+	b->value[MAP_EGO_SPEED] = b->speed_mps;
+	encode_message(&b->encode, message, b->roles, b->value, NULL, b->t_ns, &f);
+	return f;
+}
+
+static struct bus_frame make_slot(struct bench *b, int slot)
+{
+	const struct detection det = {
+		.distance_m = b->gap_m, .rate_mps = b->rate_mps, .existence = 0.9};
+	struct bus_frame f;
+
+	encode_message(&b->encode, b->map->track[slot].message, 0, b->value,
+		       b->lead && slot == 0 ? &det : NULL, b->t_ns, &f);
+	return f;
+}
+
+static int64_t deadline(const struct bench *b)
+{
+	return estimator_deadline(b->e);
+}
+
+/* Time passes, the scan's deadline included. */
+static void wait_ms(struct bench *b, int ms)
+{
+	b->t_ns += ms * MS;
+	b->ended += estimator_tick(b->e, b->t_ns);
+}
+
+static void say_ego(struct bench *b)
+{
+	for (int i = 0; i < b->map->n_messages && !b->deaf; i++) {
+		if (b->map->message[i].ego) {
+			const struct bus_frame f = make_ego(b, i);
+
+			give(b, &f);
+		}
+	}
+}
+
+static void say_scan(struct bench *b)
+{
+	for (int i = 0; i < b->map->n_tracks; i++) {
+		if (!(b->silent >> i & 1)) {
+			const struct bus_frame f = make_slot(b, i);
+
+			give(b, &f);
+		}
+	}
+}
+
+/* 50 ms: a scan, and ego messages every 10 ms or so. */
+static struct scene cycle(struct bench *b)
+{
+	struct scene s;
+
+	for (int i = 0; i < 5; i++) {
+		wait_ms(b, 10);
+		if (i % 2 == 0) {
+			say_ego(b);
+		}
+	}
+	say_scan(b);
+	b->gap_m += b->rate_mps * 0.05;
+	estimator_scene(b->e, b->t_ns, &s);
+	drives_assert_sound(&s);
+	return s;
+}
+
+static struct scene cycles(struct bench *b, int n)
+{
+	struct scene s = cycle(b);
+
+	for (int i = 1; i < n; i++) {
+		s = cycle(b);
+	}
+	return s;
+}
+
+static struct scene look_at(struct bench *b)
+{
+	struct scene s;
+
+	estimator_scene(b->e, b->t_ns, &s);
+	return s;
+}
+
+/* ---- the end of a scan ---------------------------------------------------------------------- */
+
+static void the_last_slot_ends_a_scan(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 4); /* the counters' start takes two */
+	assert_int_equal(b.ended, 2);
+	for (int i = 15; i >= 0; i--) {
+		const struct bus_frame f = make_slot(&b, i);
+
+		assert_int_equal(give(&b, &f), i == 0);
+		assert_true(deadline(&b) == (i == 0 ? CLOCK_NEVER : b.t_ns + 12 * MS));
+	}
+	assert_int_equal(look_at(&b).scan, 3);
+	assert_true(look_at(&b).scan_ns == b.t_ns);
+	close_bench(&b);
+}
+
+static void silence_ends_a_scan(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 4);
+	wait_ms(&b, 50);
+	b.silent = 1 << 7;
+	say_scan(&b);
+	const int64_t end = b.t_ns + 12 * MS;
+
+	assert_int_equal(b.ended, 2);
+	assert_true(deadline(&b) == end);
+	assert_int_equal(estimator_tick(b.e, end - 1), 0);
+	assert_int_equal(estimator_tick(b.e, end), 1);
+	assert_int_equal(estimator_tick(b.e, end + 1), 0);
+	assert_int_equal(look_at(&b).scan, 3);
+	assert_true(look_at(&b).scan_ns == end);
+
+	/* the same, noticed by the next frame only */
+	b.t_ns += 50 * MS;
+	say_scan(&b);
+	b.t_ns += 30 * MS;
+	const struct bus_frame f = make_ego(&b, b.map->role[MAP_EGO_SPEED].message[0]);
+
+	assert_int_equal(estimator_frame(b.e, &f), 1);
+	assert_true(look_at(&b).scan_ns == b.t_ns - 18 * MS);
+	close_bench(&b);
+}
+
+static void a_slot_seen_twice_ends_a_scan(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 4);
+	wait_ms(&b, 50);
+	b.silent = 1 << 7;
+	say_scan(&b);
+	assert_int_equal(b.ended, 2);
+	b.t_ns += 5 * MS;
+	const struct bus_frame f = make_slot(&b, 0);
+
+	assert_int_equal(give(&b, &f), 1);
+	assert_true(look_at(&b).scan_ns == b.t_ns);
+	assert_true(deadline(&b) == b.t_ns + 12 * MS); /* the next one has begun */
+	/* the same frame once more is no third scan */
+	assert_int_equal(give(&b, &f), 0);
+	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_COUNTER], 1);
+	close_bench(&b);
+}
+
+static void one_frame_is_a_scan_of_one_slot(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "generic");
+	cycles(&b, 10);
+	assert_int_equal(b.ended, 8);
+	assert_true(deadline(&b) == CLOCK_NEVER);
+	assert_int_equal(estimator_tick(b.e, CLOCK_NEVER), 0);
+	close_bench(&b);
+}
+
+/* ---- what is missing ------------------------------------------------------------------------ */
+
+static void it_starts_when_everything_was_seen(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	s = look_at(&b);
+	assert_int_equal(s.fault, FAULT_BIT(STARTING));
+	assert_true(!s.ego_valid && !s.lead_valid && s.scan == 0);
+	b.silent = 1 << 15;
+	assert_int_equal(cycles(&b, 20).fault, FAULT_BIT(STARTING));
+	b.silent = 0;
+	s = cycles(&b, 3);
+	assert_int_equal(s.fault, 0);
+	assert_true(s.ego_valid && s.lead_valid);
+	close_bench(&b);
+
+	open_bench(&b, "toyota-tss-p");
+	b.deaf = 1;
+	s = cycles(&b, 20);
+	assert_int_equal(s.fault, FAULT_BIT(STARTING));
+	assert_true(!s.ego_valid && !s.lead_valid && s.scan == 18);
+	close_bench(&b);
+}
+
+static void no_target_is_no_fault(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		open_bench(&b, cars[i]);
+		b.lead = 0;
+		const struct scene s = cycles(&b, 50);
+
+		assert_int_equal(s.fault, 0);
+		assert_true(s.ego_valid && !s.lead_valid && s.lead_id == 0);
+		assert_true(fabs(s.x[SCENE_EGO_SPEED] - 20) < 0.05);
+		close_bench(&b);
+	}
+}
+
+static void a_silent_car_is_stale(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	s = cycles(&b, 20);
+	const int64_t heard = b.t_ns;
+
+	assert_int_equal(s.fault, 0);
+	estimator_scene(b.e, heard + 72 * MS, &s); /* three periods of 24 ms */
+	assert_int_equal(s.fault & FAULT_BIT(EGO_STALE), 0);
+	assert_true(s.lead_valid);
+	estimator_scene(b.e, heard + 72 * MS + 1, &s);
+	assert_int_equal(s.fault, FAULT_BIT(EGO_STALE));
+	assert_true(!s.ego_valid && !s.lead_valid);
+	b.deaf = 1;
+	assert_int_equal(cycles(&b, 20).fault, FAULT_BIT(EGO_STALE));
+	b.deaf = 0;
+	assert_int_equal(cycle(&b).fault, 0);
+	s = cycles(&b, 8);
+	assert_true(s.ego_valid && s.lead_valid && s.lead_id > 1);
+	close_bench(&b);
+}
+
+static void a_silent_radar_is_stale(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 20);
+	b.silent = 0xFFFF;
+	s = cycles(&b, 3);
+	assert_int_equal(s.fault, 0);
+	assert_true(s.lead_valid);
+	s = cycle(&b);
+	assert_int_equal(s.fault, FAULT_BIT(RADAR_STALE));
+	assert_true(s.ego_valid && !s.lead_valid);
+	b.silent = 0;
+	s = cycle(&b);
+	assert_int_equal(s.fault, 0);
+	assert_true(!s.lead_valid);
+	s = cycles(&b, 3);
+	assert_true(s.lead_valid && s.lead_id == 2);
+	close_bench(&b);
+}
+
+static void a_silent_slot_is_stale(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 20);
+	b.silent = 1 << 3;
+	assert_int_equal(cycles(&b, 3).fault, 0);
+	const struct scene s = cycle(&b);
+
+	assert_int_equal(s.fault, FAULT_BIT(RADAR_STALE));
+	assert_true(!s.lead_valid);
+	b.silent = 0;
+	assert_int_equal(cycle(&b).fault, 0);
+	close_bench(&b);
+}
+
+static void frames_that_fail_their_check_are_a_fault(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 20);
+	for (int i = 1; i <= 3; i++) {
+		struct bus_frame f = make_slot(&b, 5);
+
+		f.data[7] ^= 1;
+		give(&b, &f);
+		assert_int_equal(look_at(&b).fault, i < 3 ? 0 : FAULT_BIT(INPUT_CHECK));
+	}
+	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_CRC], 3);
+	assert_int_equal(cycle(&b).fault, 0);
+	close_bench(&b);
+}
+
+/* ---- the ego speed -------------------------------------------------------------------------- */
+
+static void a_spike_leaves_no_trace(void **state)
+{
+	struct bench a, b;
+
+	(void)state;
+	open_bench(&a, "generic");
+	open_bench(&b, "generic");
+	for (int i = 0; i < 60; i++) {
+		if (i == 40) { /* the same counters, but one value is not to be believed */
+			const int m = b.map->role[MAP_EGO_SPEED].message[0];
+			struct bus_frame f;
+
+			a.t_ns += 1 * MS;
+			b.t_ns += 1 * MS;
+			make_ego(&a, m);
+			b.speed_mps = 22;
+			f = make_ego(&b, m);
+			b.speed_mps = 20;
+			give(&b, &f);
+		}
+		const struct scene sa = cycle(&a), sb = cycle(&b);
+
+		assert_memory_equal(&sa, &sb, sizeof(sa));
+	}
+	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_IMPLAUSIBLE], 1);
+	close_bench(&a);
+	close_bench(&b);
+}
+
+static void a_jump_that_stays_is_believed_after_a_fault(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "generic");
+	s = cycles(&b, 20);
+	assert_true(s.lead_valid);
+	b.speed_mps = 25;
+	s = cycle(&b); /* three of them in here */
+	assert_int_equal(s.fault, FAULT_BIT(IMPLAUSIBLE));
+	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_IMPLAUSIBLE], 3);
+	s = cycles(&b, 10);
+	assert_int_equal(s.fault, 0);
+	assert_true(fabs(s.x[SCENE_EGO_SPEED] - 25) < 0.05);
+	assert_true(s.lead_valid && s.lead_id == 2);
+	close_bench(&b);
+}
+
+static void hard_braking_is_plausible(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "generic");
+	cycles(&b, 20);
+	for (int i = 0; i < 30; i++) {
+		b.speed_mps = 20 - 10 * 0.05 * i > 0 ? 20 - 10 * 0.05 * i : 0;
+		b.rate_mps = 20 - b.speed_mps;
+		assert_int_equal(cycle(&b).fault, 0);
+	}
+	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_IMPLAUSIBLE], 0);
+	close_bench(&b);
+}
+
+/* ---- the scene ------------------------------------------------------------------------------ */
+
+static void the_scene_is_the_present(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "generic");
+	b.rate_mps = -5;
+	b.gap_m = 100;
+	for (int i = 0; i < 40; i++) {
+		s = cycle(&b);
+	}
+	/* the frame says where the lead was 75 ms ago, and gap_m has moved on by 50 */
+	assert_true(fabs(s.x[SCENE_HEADWAY] - (b.gap_m + 5 * 0.05 - 5 * 0.075)) < 0.05);
+	assert_true(s.t_ns == b.t_ns && s.scan_ns == b.t_ns);
+	assert_true(s.oldest_input_ns == 0);
+	assert_true(s.lead_scans == 38 && s.existence > 0.85);
+	estimator_scene(b.e, b.t_ns + 40 * MS, &s);
+	assert_true(fabs(s.x[SCENE_HEADWAY] - (b.gap_m + 5 * 0.05 - 5 * 0.115)) < 0.05);
+	assert_true(s.oldest_input_ns == 40 * MS);
+	b.lead = 0; /* seen no more: the object coasts, its last sight grows old */
+	s = cycle(&b);
+	assert_true(s.lead_valid && s.oldest_input_ns == 50 * MS);
+	close_bench(&b);
+}
+
+static void the_far_future_is_no_scene(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "generic");
+	cycles(&b, 40);
+	estimator_scene(b.e, b.t_ns + 1000000 * MS, &s);
+	assert_true(!s.ego_valid && !s.lead_valid);
+	assert_int_equal(s.fault, FAULT_BIT(EGO_STALE) | FAULT_BIT(RADAR_STALE));
+	drives_assert_sound(&s);
+	close_bench(&b);
+}
+
+static void the_driver_is_heard(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "generic");
+	s = look_at(&b);
+	assert_true(s.driver_brake == -1 && s.driver_accel == -1);
+	s = cycles(&b, 10);
+	assert_true(s.driver_brake == 0 && s.driver_accel == 0 && s.yaw_rate_radps == 0);
+	b.value[MAP_DRIVER_BRAKE] = 1;
+	b.value[MAP_YAW_RATE] = 0.1;
+	s = cycle(&b);
+	assert_true(s.driver_brake == 1 && s.driver_accel == 0);
+	assert_true(fabs(s.yaw_rate_radps - 0.1) < 1e-3);
+	b.value[MAP_DRIVER_BRAKE] = 0;
+	b.value[MAP_DRIVER_ACCEL] = 40;
+	s = cycle(&b);
+	assert_true(s.driver_brake == 0 && s.driver_accel == 1);
+	b.roles = 1u << MAP_EGO_SPEED; /* the rest is not available, which is no fault */
+	s = cycles(&b, 3);
+	assert_true(s.driver_brake == -1 && s.driver_accel == -1 && s.yaw_rate_radps == 0);
+	assert_int_equal(s.fault, 0);
+	close_bench(&b);
+
+	open_bench(&b, "toyota-tss-p");
+	s = cycles(&b, 10);
+	assert_true(s.driver_brake == -1 && s.driver_accel == -1);
+	close_bench(&b);
+}
+
+static void a_curve_shows_in_the_lateral_offset(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "generic");
+	b.value[MAP_YAW_RATE] = 0.05; /* 1/400 m: 1.1 m at 30 m */
+	const struct scene s = cycles(&b, 20);
+
+	assert_true(s.lead_valid && fabs(s.lateral_m + 30.0 * 30 / 800) < 0.05);
+	close_bench(&b);
+}
+
+/* ---- trust ---------------------------------------------------------------------------------- */
+
+static void distrust_forgets_and_recovers(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	assert_true(cycles(&b, 20).lead_valid);
+	estimator_distrust(b.e);
+	s = look_at(&b);
+	assert_int_equal(s.fault, FAULT_BIT(EGO_STALE) | FAULT_BIT(RADAR_STALE));
+	assert_true(!s.ego_valid && !s.lead_valid);
+	s = cycles(&b, 2); /* of every message three good frames, the third is used */
+	assert_int_equal(s.fault, FAULT_BIT(RADAR_STALE));
+	s = cycles(&b, 8);
+	assert_int_equal(s.fault, 0);
+	assert_true(s.lead_valid && s.scan > 20);
+	close_bench(&b);
+}
+
+static void spoil(struct bench *b, const struct bus_frame *good, int how)
+{
+	struct bus_frame f = *good;
+
+	switch (how) {
+	case 0:
+		f.data[4] ^= 0x10;
+		break;
+	case 1:
+		f.len = 7;
+		break;
+	case 2:
+		f.flags = BUS_RTR;
+		break;
+	case 3:
+		f.flags = BUS_ERR;
+		break;
+	case 4:
+		f.id ^= 0x400;
+		break;
+	default:
+		break;
+	}
+	assert_int_equal(estimator_frame(b->e, &f), 0);
+}
+
+/* A twin that also gets spoilt copies of every frame sees the same scene, bit for bit. */
+static void spoilt_frames_leave_no_trace(void **state)
+{
+	struct bench a, b;
+	int sent = 0;
+
+	(void)state;
+	open_bench(&a, "toyota-tss-p");
+	open_bench(&b, "toyota-tss-p");
+	cycles(&a, 3);
+	cycles(&b, 3);
+	for (int i = 0; i < 200; i++) {
+		struct scene sa, sb;
+
+		a.t_ns = b.t_ns += 25 * MS;
+		const struct bus_frame ego = make_ego(&a, a.map->role[MAP_EGO_SPEED].message[0]);
+
+		spoil(&b, &ego, i % 5);
+		give(&a, &ego);
+		give(&b, &ego);
+		for (int slot = 0; slot < 16 && i % 2; slot++, sent++) {
+			const struct bus_frame f = make_slot(&a, slot);
+
+			spoil(&b, &f, i % 5);
+			assert_int_equal(give(&a, &f), give(&b, &f));
+			spoil(&b, &f, 5); /* repeated */
+		}
+		estimator_scene(a.e, a.t_ns, &sa);
+		estimator_scene(b.e, b.t_ns, &sb);
+		assert_memory_equal(&sa, &sb, sizeof(sa));
+	}
+	const uint64_t *r = estimator_rejected(b.e);
+
+	assert_int_equal(r[SCENE_REJECT_COUNTER], sent);
+	assert_int_equal(r[SCENE_REJECT_CRC], 20 * 17 + 20);
+	assert_int_equal(r[SCENE_REJECT_LENGTH], 20 * 17 + 20);
+	close_bench(&a);
+	close_bench(&b);
+}
+
+static void any_frame_is_survived(void **state)
+{
+	struct bench b;
+	struct noise r = {.seed = 9};
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 10);
+	for (int i = 0; i < 300000; i++) {
+		const int m = (int)(noise_uniform(&r) * b.map->n_messages);
+		struct bus_frame f;
+
+		b.t_ns += (int64_t)(noise_uniform(&r) * 5) * MS;
+		encode_message(&b.encode, m, 0, b.value, NULL, b.t_ns, &f);
+		for (int k = 1; k < 7; k++) { /* any content, as if the sender meant it */
+			f.data[k] = (uint8_t)noise_bits(&r);
+		}
+		e2e_protect(
+			&(struct e2e_config){b.map->message[m].check, b.map->message[m].msg, NULL},
+			&b.encode.e2e[m], f.data);
+		estimator_frame(b.e, &f);
+		estimator_scene(b.e, b.t_ns, &s);
+		drives_assert_sound(&s);
+	}
+	assert_true(estimator_rejected(b.e)[SCENE_REJECT_IMPLAUSIBLE] > 0);
+	close_bench(&b);
+}
+
+static void nothing_is_allocated_after_open(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	const struct mallinfo2 before = mallinfo2();
+
+	cycles(&b, 100);
+	estimator_distrust(b.e);
+	const struct mallinfo2 after = mallinfo2();
+
+	assert_int_equal(after.uordblks, before.uordblks);
+	assert_int_equal(after.hblkhd, before.hblkhd);
+	close_bench(&b);
+	estimator_close(NULL);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(the_last_slot_ends_a_scan),
+		cmocka_unit_test(silence_ends_a_scan),
+		cmocka_unit_test(a_slot_seen_twice_ends_a_scan),
+		cmocka_unit_test(one_frame_is_a_scan_of_one_slot),
+		cmocka_unit_test(it_starts_when_everything_was_seen),
+		cmocka_unit_test(no_target_is_no_fault),
+		cmocka_unit_test(a_silent_car_is_stale),
+		cmocka_unit_test(a_silent_radar_is_stale),
+		cmocka_unit_test(a_silent_slot_is_stale),
+		cmocka_unit_test(frames_that_fail_their_check_are_a_fault),
+		cmocka_unit_test(a_spike_leaves_no_trace),
+		cmocka_unit_test(a_jump_that_stays_is_believed_after_a_fault),
+		cmocka_unit_test(hard_braking_is_plausible),
+		cmocka_unit_test(the_scene_is_the_present),
+		cmocka_unit_test(the_far_future_is_no_scene),
+		cmocka_unit_test(the_driver_is_heard),
+		cmocka_unit_test(a_curve_shows_in_the_lateral_offset),
+		cmocka_unit_test(distrust_forgets_and_recovers),
+		cmocka_unit_test(spoilt_frames_leave_no_trace),
+		cmocka_unit_test(any_frame_is_survived),
+		cmocka_unit_test(nothing_is_allocated_after_open),
+	};
+
+	return cmocka_run_group_tests_name("estimator", tests, NULL, NULL);
+}

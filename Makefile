@@ -137,39 +137,44 @@ $(O)/tests/%: $(O)/tests/%.o $(LIBD) $(LIBMC)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ -lcmocka $(LDLIBS)
 
-.PHONY: check check-unit check-san check-clang check-arm64 tests
+.PHONY: check check-unit check-san check-clang check-arm64 check-system tests
 tests: $(TESTS)
 check: deps-check all tests
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log $(TESTS) $(SCRIPTS)
-check-unit: tests
-	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log --wrap '$(WRAP)' $(TESTS)
+# Tests alone, with what stands before each program (an emulator) and scripts chosen by the caller.
+check-unit: all tests
+	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log --wrap '$(WRAP)' $(TESTS) $(UNIT_SCRIPTS)
 
 # Sanitizers: the unit tests and the command-line tests that feed bad input, in trees of their own.
 SAN_SCRIPTS := $(filter tests/cli_%.sh tests/check_config.sh,$(SCRIPTS))
+SUB         := $(MAKE) WERROR=$(WERROR) RUN_FLAGS='$(RUN_FLAGS)' WITH_CUDA=no
 check-san: deps-check
-	$(Q)$(MAKE) O=build/asan OPT='-O1 -g' SAN=address,undefined WERROR=$(WERROR) all tests
-	$(Q)O=build/asan tests/run $(RUN_FLAGS) --log build/asan/log $(TESTS:$(O)/%=build/asan/%) $(SAN_SCRIPTS)
-	$(Q)$(MAKE) O=build/tsan OPT='-O1 -g' SAN=thread WERROR=$(WERROR) all tests
-	$(Q)O=build/tsan tests/run $(RUN_FLAGS) --log build/tsan/log $(TESTS:$(O)/%=build/tsan/%)
+	$(Q)$(SUB) O=build/asan OPT='-O1 -g' SAN=address,undefined UNIT_SCRIPTS='$(SAN_SCRIPTS)' check-unit
+	$(Q)$(SUB) O=build/tsan OPT='-O1 -g' SAN=thread check-unit
 check-clang: deps-check
-	$(Q)$(MAKE) O=build/clang CC=clang WERROR=$(WERROR) all tests
-	$(Q)O=build/clang tests/run $(RUN_FLAGS) --log build/clang/log $(TESTS:$(O)/%=build/clang/%)
+	$(Q)$(SUB) O=build/clang CC=clang check-unit
 
 # 64-bit Arm: cross-built, run under emulation; tests compare results with the same known answers, bit for bit.
 ARM := aarch64-linux-gnu
-check-arm64: deps-arm64
-	$(Q)$(MAKE) O=build/arm64 CC=$(ARM)-gcc CROSS=$(ARM)- WERROR=$(WERROR) all tests
-	$(Q)O=build/arm64 tests/run $(RUN_FLAGS) --log build/arm64/log \
-		--wrap 'qemu-aarch64-static -L /usr/$(ARM)' $(TESTS:$(O)/%=build/arm64/%)
+check-arm64: deps-arm64 all
+	$(Q)$(SUB) O=build/arm64 CC=$(ARM)-gcc CROSS=$(ARM)- WRAP='qemu-aarch64-static -L /usr/$(ARM)' check-unit
 	$(Q)O=build/arm64 HOST_O=$(O) tests/run $(RUN_FLAGS) --log build/arm64/log tests/arm64/same_bits.sh
+
+# The live daemon as a service in a virtual machine with a PREEMPT_RT kernel (tests/system/).
+check-system: deps-system all
+	$(Q)mkdir -p $(O)/log
+	$(Q)O=$(O) tests/run $(RUN_FLAGS) --jobs 1 --log $(O)/log tests/system/behaviour.sh
 
 # ---- packages ------------------------------------------------------------------------------------
 # Debian packages by apt; PyPI only for the test oracle cantools. As root they are installed, otherwise named.
-DEPS_BUILD := gcc libc6-dev make
-DEPS_CHECK := $(DEPS_BUILD) clang clang-format python3 python3-venv python3-mpmath libcmocka-dev xz-utils
-DEPS_ARM64 := $(DEPS_CHECK) gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static libcmocka-dev:arm64
+DEPS_BUILD  := gcc libc6-dev make
+DEPS_CHECK  := $(DEPS_BUILD) clang clang-format python3 python3-venv python3-mpmath libcmocka-dev xz-utils shellcheck \
+	       systemd scdoc libsystemd-dev libsocketcan-dev
+ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev
+DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)
+DEPS_SYSTEM := $(DEPS_CHECK) mmdebstrap qemu-system-x86 qemu-utils busybox-static e2fsprogs kmod cpio
 VENV       := build/venv
-.PHONY: deps deps-build deps-check deps-arm64
+.PHONY: deps deps-build deps-check deps-arm64 deps-system
 deps: deps-check
 deps-build:
 	$(Q)tools/deps $(DEPS_BUILD)
@@ -180,6 +185,8 @@ deps-check:
 	echo 'cantools could not be installed from PyPI: its tests will be skipped'
 deps-arm64: deps-check
 	$(Q)tools/deps $(DEPS_ARM64)
+deps-system: deps-check
+	$(Q)tools/deps $(DEPS_SYSTEM)
 
 # ---- demo ----------------------------------------------------------------------------------------
 demo: deps-build all
@@ -254,11 +261,10 @@ dist:
 	$(Q)mkdir -p $(O)/dist && echo '$(GIT_COMMIT)' >$(O)/dist/.commit
 	$(Q){ echo '# Debian packages to build, check and run $(DIST). Where there is internet, in a folder of its own:'; \
 	echo "#   apt-get download \$$(grep -v '^#' packages.txt) and what apt-cache depends names; then there: dpkg -i *.deb"; \
-	printf '%s\n' $(sort $(DEPS_CHECK) $(DEPS_SERVICE)); } >$(O)/dist/packages.txt
+	printf '%s\n' $(sort $(DEPS_CHECK) bash-completion); } >$(O)/dist/packages.txt
 	$(Q)git archive --format=tar.gz --prefix=$(DIST)/ --add-file=$(O)/dist/.commit \
 		--add-file=$(O)/dist/packages.txt -o $(O)/$(DIST).tar.gz HEAD
 	$(call say,DIST,$(O)/$(DIST).tar.gz)
-DEPS_SERVICE := libsystemd-dev libsocketcan-dev scdoc bash-completion
 
 format:
 	$(Q)clang-format -i $(wildcard kernels/*.[ch] can-dbc/*.[ch] daemon/*.[ch] tools/*.[ch] tests/*.[ch])

@@ -1,10 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# usage: tests/system/run.sh behaviour|timing
 # Installs the build into a payload, boots the virtual machine with it and runs its tests. TAP on standard output.
 # O: the build (default build); the console's whole log is kept in $O/system/.
 set -eu
-mode=$1
+mode=behaviour
 O=${O:-build}
 cd "$(dirname "$0")/../.."
 payload=$O/system/$mode
@@ -20,7 +19,7 @@ for drive in brake follow; do
 	"$O/aebmc" generate --drive $drive --out "$payload/logs/$drive.log"
 done
 cp tests/system/lib.sh "$payload/"
-cp tests/system/guest$( [ "$mode" = timing ] && echo -timing || true) "$payload/guest"
+cp tests/system/guest "$payload/"
 
 if ! tests/system/boot.sh "$mode" "$payload" 1500 >"$O/system/$mode.console" 2>&1; then
 	echo "# the virtual machine did not power off by itself"

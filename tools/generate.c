@@ -132,21 +132,26 @@ static int write_frame(void *arg, const struct bus_frame *f, const struct drive_
 	return fprintf(o->file, "%s\n", line) < 0;
 }
 
-static int write_drive(const struct args *a, const struct config *cfg, struct output *o)
+static int write_drive(const char *name, const struct args *a, const struct config *cfg,
+		       const struct mapping *map)
 {
+	struct output o = {map, cli_create(name, a->out)};
 	const struct drive_options opt = {
 		.seed = (uint64_t)a->seed,
 		.dropout = a->dropout,
 		.emit = write_frame,
-		.arg = o,
+		.arg = &o,
 	};
 
-	drive_run(drive_find(a->drive), cfg, o->map, &opt);
-	return CLI_GOOD;
+	if (!o.file) {
+		return CLI_FAILED;
+	}
+	drive_run(drive_find(a->drive), cfg, map, &opt);
+	return cli_close(name, a->out, o.file);
 }
 
-/* Frame by frame until the log or the drive ends. Returns the log's -errno, -ENODATA at its end, 0 at contact. */
-static int write_spliced(struct splice *s, struct bus *log, struct output *o)
+/* Frame by frame until the log or the drive ends. Returns -errno: -ENODATA at the log's end, 0 at contact. */
+static int write_spliced(struct splice *s, struct bus *log)
 {
 	struct bus_frame f[FRAMES];
 	int64_t now_ns;
@@ -155,9 +160,10 @@ static int write_spliced(struct splice *s, struct bus *log, struct output *o)
 	while ((n = log->ops->recv(log, f, FRAMES, CLOCK_NEVER, &now_ns)) > 0) {
 		for (int i = 0; i < n; i++) {
 			const int contact = splice_frame(s, &f[i]);
+			const int error = log->ops->send(log, &f[i]);
 
-			if (contact || write_frame(o, &f[i], NULL)) {
-				return 0;
+			if (contact || error) {
+				return error;
 			}
 		}
 	}
@@ -165,28 +171,29 @@ static int write_spliced(struct splice *s, struct bus *log, struct output *o)
 }
 
 static int splice(const char *name, const struct args *a, const struct config *cfg,
-		  struct output *o)
+		  const struct mapping *map)
 {
 	const char *iface[BUS_IFACES_MAX];
 	char err[512] = "";
 	struct bus *log;
 	struct splice s;
 
-	for (int i = 0; i < o->map->n_ifaces; i++) {
-		iface[i] = o->map->iface[i];
+	for (int i = 0; i < map->n_ifaces; i++) {
+		iface[i] = map->iface[i];
 	}
-	if (bus_log_open(a->splice, NULL, iface, o->map->n_ifaces, &log, err, sizeof(err))) {
+	if (bus_log_open(a->splice, a->out, iface, map->n_ifaces, &log, err, sizeof(err))) {
 		return cli_error(CLI_FAILED, name, "%s", err);
 	}
-	int error = splice_open(&s, cfg, o->map, a->at_s, (uint64_t)a->seed);
+	int error = splice_open(&s, cfg, map, a->at_s, (uint64_t)a->seed);
 
 	if (!error) {
-		error = write_spliced(&s, log, o);
+		error = write_spliced(&s, log);
 		splice_close(&s);
 	}
 	log->ops->close(log);
 	if (error && error != -ENODATA) {
-		return cli_error(CLI_FAILED, name, "%s: %s", a->splice, strerror(-error));
+		return cli_error(CLI_FAILED, name, "%s to %s: %s", a->splice, a->out,
+				 strerror(-error));
 	}
 	return s.scans ? CLI_GOOD
 		       : cli_error(CLI_FAILED, name, "%s: no lead to replace after %g s", a->splice,
@@ -205,7 +212,6 @@ int cmd_generate(int argc, char **argv)
 {
 	struct args a = {.setup.path = CONFIG_DEFAULT, .out = "-", .seed = 1, .at_s = -1};
 	const char *name = argv[0];
-	struct output o = {0};
 	struct mapping *map = NULL;
 	struct config cfg;
 	int code = cli_parse(&argp, argc, argv, &a);
@@ -217,15 +223,7 @@ int cmd_generate(int argc, char **argv)
 	if (code) {
 		return code;
 	}
-	o.map = map;
-	o.file = cli_create(name, a.out);
-	code = CLI_FAILED;
-	if (o.file) {
-		code = a.splice ? splice(name, &a, &cfg, &o) : write_drive(&a, &cfg, &o);
-		const int closed = cli_close(name, a.out, o.file);
-
-		code = code ? code : closed;
-	}
+	code = a.splice ? splice(name, &a, &cfg, map) : write_drive(name, &a, &cfg, map);
 	config_mapping_free(map);
 	return code;
 }

@@ -13,7 +13,7 @@ struct sample_plan {
 	float factor[MC_FACTOR_LEN];
 	float sigma[MODEL_INPUTS - MC_STATE_DIM];
 	float floor[MC_FLOORS];
-	float prior_cum[MC_PRIORS_MAX]; /* cumulative; the last is > 1 so that a pick always exists */
+	float prior_cum[MC_PRIORS_MAX]; /* cumulative; the last > 1: a pick always exists */
 	float prior_gain[MC_PRIORS_MAX];
 	float prior_offset[MC_PRIORS_MAX];
 };

@@ -117,22 +117,20 @@ static int single_target(const struct run *r, const struct drive_truth *w)
 	return best;
 }
 
-/* The slot a target is reported in; now and then it moves to a free one. Sets *@fresh when it is new there. */
+/* The slot a target is reported in; now and then it moves to another. Sets *@fresh when it is new there. */
 static int pick_slot(struct run *r, int target, int *fresh)
 {
-	const int stays = noise_uniform(&r->noise) >= MOVE_SHARE;
-	const int slot = (int)(noise_uniform(&r->noise) * r->map->n_tracks);
+	const int was = r->slot[target];
+	const int moves = noise_uniform(&r->noise) < MOVE_SHARE;
+	const int other = (int)(noise_uniform(&r->noise) * r->map->n_tracks);
+	int slot = was < 0 || moves ? other : was;
 
-	*fresh = r->slot[target] < 0;
-	if (r->slot[target] < 0 || (!stays && !r->filled[slot])) {
-		*fresh = 1;
-		r->slot[target] = slot;
+	while (r->filled[slot]) {
+		slot = (slot + 1) % r->map->n_tracks;
 	}
-	while (r->filled[r->slot[target]]) {
-		*fresh = 1;
-		r->slot[target] = (r->slot[target] + 1) % r->map->n_tracks;
-	}
-	return r->slot[target];
+	*fresh = slot != was;
+	r->slot[target] = slot;
+	return slot;
 }
 
 static void report(struct run *r, const struct drive_truth *w, int target)

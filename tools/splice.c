@@ -77,7 +77,7 @@ static void end_of_scan(struct splice *s, int64_t now_ns)
 	look(s);
 }
 
-static int is_in_corridor(const struct config *c, const struct decode_frame *d)
+static int is_in_the_way(const struct config *c, const struct decode_frame *d)
 {
 	const double limit = c->radar_corridor + c->radar_corridor_margin;
 
@@ -93,7 +93,7 @@ int splice_frame(struct splice *s, struct bus_frame *f)
 	if (decode_take(&s->decode, f, &d) && d.track >= 0 && s->scans > 0) {
 		if (d.track == s->scans / SCANS_PER_SLOT % s->map->n_tracks) {
 			encode_track(s->map, d.message, &s->det, f);
-		} else if (is_in_corridor(s->cfg, &d)) {
+		} else if (is_in_the_way(s->cfg, &d)) {
 			encode_track(s->map, d.message, NULL, f);
 		}
 	}

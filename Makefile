@@ -242,7 +242,7 @@ INSTALLED := 755:$(O)/aebmcd:sbin/aebmcd 755:$(O)/aebmc:bin/aebmc \
 	$(foreach f,$(MAN),644:$f:share/man/man$(subst .,,$(suffix $f))/$(notdir $f))
 .PHONY: install uninstall dist
 # Units name the programs where they are installed.
-$(O)/units/%.service: FORCE
+$(UNITS): $(O)/units/%: FORCE
 	$(Q)mkdir -p $(@D) && sed -E '/^Exec/s|/usr/(sbin/aebmcd\|share/aebmc)|$(PREFIX)/\1|' \
 		$(wildcard systemd/$(@F) rt-config/$(@F)) >$@
 install: all man $(UNITS)

@@ -14,22 +14,25 @@
 _Static_assert(offsetof(struct lanes_block, delay) == MODEL_DELAY * LANES * sizeof(float),
 	       "the first fields are the inputs in their order");
 
+/* A function with a lane loop. Inlined, it would lose what restrict says. */
+#define LANE_LOOP static __attribute__((noinline))
+
 #define LOAD(name)  r.name = b->name[i];
 #define STORE(name) b->name[i] = r.name;
 
 /* Fields that a stage leaves alone are loaded and stored for nothing; the compiler drops both. */
-#define LANE_STAGE(stage, call)                                            \
-	static void lane_##stage(struct lanes_block *restrict b,           \
-				 const struct rollout_plan *restrict plan) \
-	{                                                                  \
-		const struct rollout_plan p = *plan;                       \
-		for (int i = 0; i < LANES; i++) {                          \
-			struct rollout r;                                  \
-			ROLLOUT_FIELDS(LOAD)                               \
-			call;                                              \
-			ROLLOUT_FIELDS(STORE)                              \
-		}                                                          \
-		(void)p;                                                   \
+#define LANE_STAGE(stage, call)                                               \
+	LANE_LOOP void lane_##stage(struct lanes_block *restrict b,           \
+				    const struct rollout_plan *restrict plan) \
+	{                                                                     \
+		const struct rollout_plan p = *plan;                          \
+		for (int i = 0; i < LANES; i++) {                             \
+			struct rollout r;                                     \
+			ROLLOUT_FIELDS(LOAD)                                  \
+			call;                                                 \
+			ROLLOUT_FIELDS(STORE)                                 \
+		}                                                             \
+		(void)p;                                                      \
 	}
 
 LANE_STAGE(scene, rollout_scene(&r, &p))
@@ -53,8 +56,8 @@ LANE_STAGE(hit, rollout_hit(&r))
 LANE_STAGE(hit_guess, rollout_hit_guess(&r))
 LANE_STAGE(contact, rollout_contact(&r))
 
-static void lane_end(struct lanes_block *restrict b, const struct rollout_plan *restrict plan,
-		     uint32_t *restrict flags)
+LANE_LOOP void lane_end(struct lanes_block *restrict b, const struct rollout_plan *restrict plan,
+			uint32_t *restrict flags)
 {
 	const struct rollout_plan p = *plan;
 
@@ -66,8 +69,8 @@ static void lane_end(struct lanes_block *restrict b, const struct rollout_plan *
 	}
 }
 
-static void lane_draw(const struct sample_plan *restrict plan, const float *restrict z,
-		      uint32_t stride, float *restrict in, uint32_t *restrict lifted)
+LANE_LOOP void lane_draw(const struct sample_plan *restrict plan, const float *restrict z,
+			 uint32_t stride, float *restrict in, uint32_t *restrict lifted)
 {
 	const struct sample_plan p = *plan;
 
@@ -76,7 +79,7 @@ static void lane_draw(const struct sample_plan *restrict plan, const float *rest
 	}
 }
 
-static int lane_wanted(const float *restrict want)
+LANE_LOOP int lane_wanted(const float *restrict want)
 {
 	uint32_t any = 0;
 
@@ -86,7 +89,7 @@ static int lane_wanted(const float *restrict want)
 	return any != 0;
 }
 
-static uint32_t lane_count(const uint32_t *restrict flags, uint32_t n, uint32_t mask)
+LANE_LOOP uint32_t lane_count(const uint32_t *restrict flags, uint32_t n, uint32_t mask)
 {
 	uint32_t count = 0;
 
@@ -96,8 +99,8 @@ static uint32_t lane_count(const uint32_t *restrict flags, uint32_t n, uint32_t 
 	return count;
 }
 
-static void lane_moments(const float *restrict stop, uint32_t n, int32_t centre,
-			 struct stats_sums *sums)
+LANE_LOOP void lane_moments(const float *restrict stop, uint32_t n, int32_t centre,
+			    struct stats_sums *sums)
 {
 	int64_t sum = 0;
 	uint64_t sum2 = 0;
@@ -112,7 +115,7 @@ static void lane_moments(const float *restrict stop, uint32_t n, int32_t centre,
 	sums->stop_sum2 += sum2;
 }
 
-static void lane_bins(struct lanes_work *restrict w, float mean_headway_m, uint32_t req_flags)
+LANE_LOOP void lane_bins(struct lanes_work *restrict w, float mean_headway_m, uint32_t req_flags)
 {
 	const struct lanes_block *b = &w->block;
 

@@ -99,6 +99,10 @@ HD void rollout_scene(struct rollout *r, const struct rollout_plan *p)
 	r->rate = r->mass * load * inv;
 	r->grade = p->gravity_mps2 * det_sinf(r->theta);
 	r->lead_stop = det_maxf(r->vl, r->al) > 0.0f ? lead_stop : 0.0f;
+	/* stays, unless the lead moves */
+	r->near_lo = 0.0f;
+	r->near_s = 0.0f;
+	r->near_rel = 0.0f;
 }
 
 /* Where the lead is at t, and how fast. */
@@ -153,15 +157,16 @@ struct rollout_flow {
 	float v, x;
 };
 
-/* atanh(sqrt(h)) / sqrt(h), h <= 0.25 (2e-8) */
+/* atanh(sqrt(h)) / sqrt(h) for h <= 0.36, that is k x <= 0.69; relative error 3e-8. */
 HD float rollout_atanh(float h)
 {
-	float a = 0.1817401f;
+	float a = 0.272370297f;
 
-	a = det_fmaf(a, h, 0.0824370f);
-	a = det_fmaf(a, h, 0.1466914f);
-	a = det_fmaf(a, h, 0.1997822f);
-	a = det_fmaf(a, h, 0.3333373f);
+	a = det_fmaf(a, h, -0.0289347014f);
+	a = det_fmaf(a, h, 0.143361569f);
+	a = det_fmaf(a, h, 0.138658612f);
+	a = det_fmaf(a, h, 0.200245813f);
+	a = det_fmaf(a, h, 0.333328602f);
 	return det_fmaf(a, h, 1.0f);
 }
 
@@ -263,33 +268,30 @@ HD void rollout_kink(struct rollout *r, const struct rollout_plan *p)
 	r->base_s = sk < ROLLOUT_NEVER_S ? sk : 0.0f;
 }
 
-/** rollout_stop - time and distance to standstill of the last phase: atan and atanh in closed form. */
+/**
+ * rollout_stop - distance and time to standstill of the last phase: y atanh and atan in closed form
+ * The time (Pade, never too short by more than 1e-4 of it) only bounds what follows: at rest the distance stands still.
+ * want: lanes whose transient has not died down by then.
+ */
 HD void rollout_stop(struct rollout *r)
 {
 	const float c = det_maxf(r->base_c, 1e-4f), v = r->base_v;
 	const float q = r->k * v * v;
-	const float c2 = c * c, cq = c * q, q2 = q * q;
-	const float num =
-		det_fmaf(15015.0f * c, c2,
-			 det_fmaf(19250.0f * c, cq, det_fmaf(5943.0f * c, q2, 256.0f * q * q2)));
-	const float den =
-		det_fmaf(15015.0f * c, c2,
-			 det_fmaf(24255.0f * c, cq, det_fmaf(11025.0f * c, q2, 1225.0f * q * q2)));
-	const float y = v * v / det_fmaf(2.0f, c, q);
+	const float num = det_fmaf(945.0f * c, c, q * det_fmaf(735.0f, c, 64.0f * q));
+	const float den = c * det_fmaf(945.0f * c, c, q * det_fmaf(1050.0f, c, 225.0f * q));
+	const float c2 = det_fmaf(2.0f, c, q);
+	const float inv = 1.0f / (c2 * den);
+	const float y = v * v * den * inv;
 	const float ky = r->k * y;
-	float end = r->base_s + v * num / (c * den);
+	const float x = det_fmaf(y, rollout_atanh(ky * ky), r->base_x);
+	const float s = det_fmaf(v * num, c2 * inv, r->base_s);
+	const float end = r->base_c > 1e-4f ? s : ROLLOUT_NEVER_S;
+	const float left = r->base_s > 0.0f ? ROLLOUT_NEVER_S : s * r->rate;
 
-	end = r->base_c > 1e-4f ? end : ROLLOUT_NEVER_S;
 	r->end_s = r->v1 > 0.0f ? end : 0.0f;
-	r->stop = r->x1 + (r->v1 > 0.0f ? det_fmaf(y, rollout_atanh(ky * ky), r->base_x) : 0.0f);
-	r->near_lo = 0.0f;
-	r->near_s = 0.0f;
-	r->near_rel = 0.0f;
 	r->end_v = 0.0f;
-	/* the transient has not died down */
-	end = r->sk < ROLLOUT_NEVER_S ? ROLLOUT_NEVER_S : r->end_s * r->rate;
-	r->want = end < 14.0f ? 1.0f : 0.0f;
-	r->want = r->v1 > 0.0f ? r->want : 0.0f;
+	r->stop = r->v1 > 0.0f ? r->x1 + x : r->x1;
+	r->want = (r->v1 > 0.0f ? left : ROLLOUT_NEVER_S) < 14.0f ? 1.0f : 0.0f;
 }
 
 /** rollout_fade - e^(-s/tau) of the point at at_s; none in P2. Held at 2^-40, so that its square is no denormal. */
@@ -365,13 +367,16 @@ HD void rollout_roll(struct rollout *r)
 
 /**
  * rollout_near - the phase that has the one minimum of the gap that braking can leave behind, and its limits
- * P2 if the ego is still faster than the lead at the kink, else P1. Once the lead stands there is none.
+ * P2 if the ego is still faster than the lead at the kink, or gains on it there because the slope drives it: its
+ * acceleration then only falls, so that what has not yet come comes later. Else P1. Once the lead stands there is none.
  */
 HD void rollout_near(struct rollout *r)
 {
 	const float hi = det_maxf(det_minf(r->end_s, r->lead_stop - r->onset), 0.0f);
 	const float excess = r->v2 - rollout_lead_v(r, r->onset + r->sk);
-	const float later = excess > 0.0f ? r->sk : 0.0f;
+	const float brake = det_fmaf(r->k * r->v2, r->v2, r->bound + r->grade);
+	const float gains = det_minf(-brake, -brake - r->al);
+	const float later = det_maxf(excess, gains) > 0.0f ? r->sk : 0.0f;
 	const float lo = later < hi ? later : 0.0f;
 
 	r->at_two = lo > 0.0f ? 1.0f : 0.0f;
@@ -593,7 +598,37 @@ HD void rollout_brake(struct rollout *r, const struct rollout_plan *p)
 	}
 }
 
-/* Impact speed of a lane in contact. */
+/**
+ * rollout_need - all stages of one lane but its impact speed
+ * @in: MODEL_INPUTS values, @stride floats apart, within the ranges of enum model_input
+ * @r:  stop and need are results; ready for rollout_impact() if the flags say contact
+ * Returns the flags. Against model_rollout(): see verify.h. The bits are those of the lane loops. Pure.
+ */
+HD uint32_t rollout_need(const struct rollout_plan *p, const float *in, uint32_t stride,
+			 struct rollout *r)
+{
+	r->headway = in[MODEL_HEADWAY * stride];
+	r->v0 = in[MODEL_EGO_SPEED * stride];
+	r->a0 = in[MODEL_EGO_ACCEL * stride];
+	r->vl = in[MODEL_LEAD_SPEED * stride];
+	r->al = in[MODEL_LEAD_ACCEL * stride];
+	r->mu = in[MODEL_MU * stride];
+	r->theta = in[MODEL_GRADE * stride];
+	r->mass = in[MODEL_MASS * stride];
+	r->drag = in[MODEL_DRAG * stride];
+	r->tau = in[MODEL_TAU * stride];
+	r->delay = in[MODEL_DELAY * stride];
+	rollout_scene(r, p);
+	rollout_coast(r, p);
+	if (rollout_brakes(p)) {
+		rollout_brake(r, p);
+	} else {
+		rollout_unbraked(r);
+	}
+	return rollout_end(r, p);
+}
+
+/** rollout_impact - closing speed at the first contact of a lane that has one. */
 HD float rollout_impact(struct rollout *r)
 {
 	rollout_hit(r);
@@ -606,35 +641,13 @@ HD float rollout_impact(struct rollout *r)
 	return r->impact;
 }
 
-/**
- * rollout_sample - all stages of one lane, impact speed included
- * @in: MODEL_INPUTS values, @stride floats apart, within the ranges of enum model_input
- * Against model_rollout(): see verify.h. The bits are those of the lane loops. Pure.
- */
+/** rollout_sample - one lane to its end, impact speed included. */
 HD struct model_out rollout_sample(const struct rollout_plan *p, const float *in, uint32_t stride)
 {
-	struct rollout r;
+	struct rollout r = {0};
 	struct model_out out;
 
-	r.headway = in[MODEL_HEADWAY * stride];
-	r.v0 = in[MODEL_EGO_SPEED * stride];
-	r.a0 = in[MODEL_EGO_ACCEL * stride];
-	r.vl = in[MODEL_LEAD_SPEED * stride];
-	r.al = in[MODEL_LEAD_ACCEL * stride];
-	r.mu = in[MODEL_MU * stride];
-	r.theta = in[MODEL_GRADE * stride];
-	r.mass = in[MODEL_MASS * stride];
-	r.drag = in[MODEL_DRAG * stride];
-	r.tau = in[MODEL_TAU * stride];
-	r.delay = in[MODEL_DELAY * stride];
-	rollout_scene(&r, p);
-	rollout_coast(&r, p);
-	if (rollout_brakes(p)) {
-		rollout_brake(&r, p);
-	} else {
-		rollout_unbraked(&r);
-	}
-	out.flags = rollout_end(&r, p);
+	out.flags = rollout_need(p, in, stride, &r);
 	out.stop_m = r.stop;
 	out.need_m = r.need;
 	out.impact_mps = out.flags & MODEL_CONTACT ? rollout_impact(&r) : 0.0f;

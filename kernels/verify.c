@@ -75,7 +75,7 @@ static void moving_ego(struct dice *d, float in[MODEL_INPUTS])
 	in[MODEL_EGO_SPEED] = chance(d, 0.01f) ? 0.0f : in[MODEL_EGO_SPEED];
 	in[MODEL_EGO_ACCEL] = chance(d, 0.4f) ? 0.0f : uniform(d, -6.0f, 3.0f);
 	in[MODEL_MU] = uniform(d, 0.1f, 1.0f);
-	in[MODEL_GRADE] = chance(d, 0.15f) ? uniform(d, -0.45f, 0.45f) : uniform(d, -0.15f, 0.15f);
+	in[MODEL_GRADE] = chance(d, 0.15f) ? uniform(d, -0.5f, 0.5f) : uniform(d, -0.15f, 0.15f);
 	in[MODEL_MASS] = uniform(d, 1000.0f, 3500.0f);
 	in[MODEL_DRAG] = chance(d, 0.05f) ? 0.0f : uniform(d, 0.1f, 0.7f);
 	in[MODEL_TAU] = uniform(d, 0.05f, 0.4f);
@@ -93,7 +93,7 @@ static void moving_lead(struct dice *d, const struct verify_group *g, float in[M
 		chance(d, 0.4f) ? v0 * uniform(d, 0.8f, 1.2f) : uniform(d, 0.0f, 60.0f);
 	in[MODEL_LEAD_SPEED] = chance(d, 0.12f) ? 0.0f : in[MODEL_LEAD_SPEED];
 	in[MODEL_LEAD_ACCEL] =
-		chance(d, 0.25f) ? brake + uniform(d, -1.0f, 1.0f) : uniform(d, -10.0f, 3.0f);
+		chance(d, 0.25f) ? brake + uniform(d, -1.0f, 1.0f) : uniform(d, -10.0f, 4.0f);
 	in[MODEL_LEAD_ACCEL] = chance(d, 0.2f) ? 0.0f : in[MODEL_LEAD_ACCEL];
 }
 
@@ -143,16 +143,17 @@ static int rolls(const struct verify_group *g, uint32_t i, float horizon_s)
 	return (o.flags & MODEL_ROLLING) != 0;
 }
 
-/* Which of two nearly equal speeds is larger at the horizon, or whether the ego has just stopped, is no matter of the
- * gap: such flags may differ. */
+/* Whether the ego has just stopped at the horizon, or which of two nearly equal speeds is larger there, is no matter of
+ * the gap: such flags may differ. */
 static int horizon_explains(const struct verify_group *g, uint32_t i)
 {
 	const float t = g->horizon_s, ms = 1e-3f;
 	const struct model_sample p = model_sample(&g->vehicle, &g->future, t, g->in + i, g->count);
 	struct model_watch w = {0.0, 0.0, 0.0, 0.0, 0};
+	const struct model_state s =
+		model_brake(&p, MODEL_STEP_S, model_coast(&p, MODEL_STEP_S, &w), &w);
 
-	model_brake(&p, MODEL_STEP_S, model_coast(&p, MODEL_STEP_S, &w), &w);
-	return fabs(w.closing) < 0.01 || rolls(g, i, t - ms) != rolls(g, i, t + ms);
+	return (s.v > 0.0 && fabs(w.closing) < 0.01) || rolls(g, i, t - ms) != rolls(g, i, t + ms);
 }
 
 static void compare_flags(const struct verify_group *g, uint32_t i, double miss_m, uint32_t differ,

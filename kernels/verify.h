@@ -9,7 +9,7 @@
 
 enum verify_kind {
 	VERIFY_PAPER, /* draws of the paper's preset: standing lead, braking from t = 0 */
-	VERIFY_MOVING, /* random scenes: 0-60 m/s, mu 0.1-1, grades to +-0.45 rad, standing to accelerating leads,
+	VERIFY_MOVING, /* random scenes: 0-60 m/s, mu 0.1-1, grades to +-0.5 rad, standing to accelerating leads,
 			* relative speeds that almost touch zero; half of them graze, by 0.5 to 110 mm */
 };
 

@@ -126,6 +126,7 @@ $(O)/kernels/lanes_%.o: $(LANE_SRC) $(O)/flags
 $(O)/flags: FORCE
 	$(Q)mkdir -p $(O) && echo '$(CC) $(CFLAGS_ALL) $(LANE_OPT) $(LANES)' | cmp -s - $@ || \
 	echo '$(CC) $(CFLAGS_ALL) $(LANE_OPT) $(LANES)' > $@
+.PHONY: FORCE
 FORCE:
 
 # ---- tests -------------------------------------------------------------------------------------

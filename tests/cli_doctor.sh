@@ -36,6 +36,8 @@ good_machine() {
 	put var/lib/nvpmodel/status 'pmode:0000'
 	put sys/class/devfreq/17000000.gpu/min_freq 1300500000
 	put sys/class/devfreq/17000000.gpu/max_freq 1300500000
+	put sys/kernel/debug/bpmp/debug/clk/emc/rate 3199000000
+	put sys/kernel/debug/bpmp/debug/clk/emc/max_rate 3199000000
 	put proc/self/limits 'Max locked memory  unlimited  unlimited  bytes
 Max realtime priority  80  80  '
 	put dev/cpu_dma_latency ''
@@ -70,7 +72,7 @@ exits "a machine as it should be" 0 "$AEBMC" doctor --root "$root" --seconds 0 -
 json "schema; ready; nothing is missing or advised" "$tmp/out" \
 	'j["schema"] == "aebmc.doctor.1" and j["ready"] is True and {c["verdict"] for c in j["checks"]} == {"good", "none"}'
 json "each point says what is, what should be and what mends it" "$tmp/out" \
-	'all(c["is"] and c["should"] and c["mend"] for c in j["checks"]) and len(j["checks"]) == 26'
+	'all(c["is"] and c["should"] and c["mend"] for c in j["checks"]) and len(j["checks"]) == 27'
 json "the only CAN interface is looked at; every machine check but none is good" "$tmp/out" \
 	'all(c["verdict"] == "good" for c in j["checks"] if not c["interface"]) and {c["interface"] for c in j["checks"]} == {None, "can0"}'
 
@@ -126,6 +128,9 @@ without jetson_power advice var
 without jetson_power none etc
 spoil jetson_clocks advice sys/class/devfreq/17000000.gpu/min_freq 306000000
 without jetson_clocks none etc
+spoil jetson_memory advice sys/kernel/debug/bpmp/debug/clk/emc/rate 2133000000
+without jetson_memory none sys/kernel/debug
+without jetson_memory none etc
 spoil memlock missing proc/self/limits 'Max locked memory  8388608  8388608  bytes'
 spoil rtprio missing proc/self/limits 'Max realtime priority  79  80  '
 without rtprio missing proc/self

@@ -23,7 +23,8 @@ enum doctor_verdict {
 struct doctor {
 	const char *root;         /* "" but in tests */
 	const struct config *cfg; /* defaults without a file */
-	cpu_set_t isolated; /* processors set aside for real time; doctor_isolated_read() fills it */
+	cpu_set_t
+		isolated; /* processors set aside for real time; doctor_isolated_read() fills it */
 };
 
 /* A bus looked at for a while. */
@@ -72,6 +73,10 @@ extern const struct doctor_row doctor_bus_row[DOCTOR_BUS_ROWS];
 #include "doctor.def"
 #undef MACHINE
 #undef BUS
+
+/** doctor_say - how a check ends: prints what is into @is and returns @verdict. */
+enum doctor_verdict doctor_say(doctor_text is, enum doctor_verdict verdict, const char *fmt, ...)
+	__attribute__((format(printf, 3, 4)));
 
 /** doctor_isolated_read - reads @d->isolated, on which other checks rest; empty where none are. */
 void doctor_isolated_read(struct doctor *d);

@@ -10,7 +10,6 @@
 #include <time.h>
 #include "doctor.h"
 #include "doctor_file.h"
-#include "doctor_say.h"
 
 #define SAMPLE_POINT_TOLERANCE 0.03
 #define PASSIVE                128 /* errors from which a controller is error-passive (ISO 11898-1) */

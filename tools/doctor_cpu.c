@@ -6,7 +6,6 @@
 #include <string.h>
 #include "doctor.h"
 #include "doctor_file.h"
-#include "doctor_say.h"
 
 /* ---- isolation --------------------------------------------------------------------------------- */
 
@@ -250,4 +249,21 @@ enum doctor_verdict doctor_jetson_clocks(const struct doctor *d, doctor_text is)
 	globfree(&found);
 	return doctor_say(is, strcmp(low, high) ? DOCTOR_ADVICE : DOCTOR_GOOD,
 			  "GPU %.20s to %.20s Hz", low, high);
+}
+
+enum doctor_verdict doctor_jetson_memory(const struct doctor *d, doctor_text is)
+{
+	static const char emc[] = "/sys/kernel/debug/bpmp/debug/clk/emc";
+	char dir[DOCTOR_LINE_MAX], rate[DOCTOR_LINE_MAX], max[DOCTOR_LINE_MAX];
+
+	if (!is_jetson(d)) {
+		return doctor_say(is, DOCTOR_NONE, "not a Jetson");
+	}
+	snprintf(dir, sizeof(dir), "%s%s", d->root, emc);
+	if (doctor_file_line(dir, "/rate", "", rate) ||
+	    doctor_file_line(dir, "/max_rate", "", max)) {
+		return doctor_say(is, DOCTOR_NONE, "not readable: ask as root");
+	}
+	return doctor_say(is, strcmp(rate, max) ? DOCTOR_ADVICE : DOCTOR_GOOD, "%.20s of %.20s Hz",
+			  rate, max);
 }

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include "doctor_file.h"
-#include "doctor_say.h"
 #include "text.h"
 
 /* ---- kernel ------------------------------------------------------------------------------------ */

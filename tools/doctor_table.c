@@ -4,7 +4,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include "doctor.h"
-#include "doctor_say.h"
 
 #define BUS(name, should, mend)
 #define MACHINE(name, should, mend) {#name, should, mend},

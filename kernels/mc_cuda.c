@@ -77,6 +77,7 @@ static uint64_t digest(const struct cuda_job *job)
 
 static int sums_hold(const struct cuda_out *out, const struct cuda_job *job)
 {
+	const int hist = (job->flags & MC_WANT_HIST) != 0;
 	uint64_t check = 0, stop = 0, need = 0;
 
 	for (uint32_t f = 0; f < MC_FUTURES_MAX; f++) {
@@ -84,12 +85,12 @@ static int sums_hold(const struct cuda_out *out, const struct cuda_job *job)
 			check += out->sum[f][i] * cuda_check_weight(f, i);
 		}
 	}
-	for (int i = 0; job->flags & MC_WANT_HIST && i < MC_HIST_BINS; i++) {
+	for (uint32_t i = out->lo; hist && i < out->hi && i < MC_HIST_BINS; i++) {
 		stop += out->stop[i];
 		need += out->need[i];
 	}
 	return check == out->check && out->sum[0][CUDA_N] == job->count &&
-	       (!(job->flags & MC_WANT_HIST) || (stop == job->count && need == job->count));
+	       (!hist || (stop == job->count && need == job->count && out->hi <= MC_HIST_BINS));
 }
 
 static int verify(const struct mc_backend *b, const struct cuda_job *job)
@@ -129,12 +130,32 @@ static enum cuda_kernel pick(const struct mc_backend *b, const struct cuda_job *
 	return hist ? CUDA_KERNEL_DRAW_HIST : CUDA_KERNEL_DRAW;
 }
 
-/* Chunks end where the resident draws do: a kernel reads draws or makes them, never both. */
-static uint32_t chunk_size(const struct mc_backend *b, uint64_t first, uint64_t n)
+/* Chunks end where the resident draws do: a kernel reads draws or makes them, never both. Threads count in 32 bits and,
+ * with histograms, blocks in 16. */
+static uint32_t chunk_size(const struct mc_backend *b, enum cuda_kernel k,
+			   const struct cuda_job *job, uint64_t n)
 {
-	const uint64_t end = first < b->n_resident && b->n_resident < n ? b->n_resident : n;
+	const uint64_t blocks = (b->grid[k] - 1) / job->n_futures;
+	const uint64_t each = job->flags & MC_WANT_HIST
+				      ? CUDA_HIST_BLOCK_MAX
+				      : (uint64_t)CUDA_THREAD_MAX * cuda_kernel_table[k].block;
+	const uint64_t most = blocks * each < CUDA_CHUNK ? blocks * each : CUDA_CHUNK;
+	const uint64_t end = job->first < b->n_resident && b->n_resident < n ? b->n_resident : n;
 
-	return end - first < CUDA_CHUNK ? (uint32_t)(end - first) : CUDA_CHUNK;
+	return (uint32_t)(end - job->first < most ? end - job->first : most);
+}
+
+/* Only what the last batch filled. */
+static void hist_clear(struct mc_backend *b)
+{
+	if (b->hist_lo < b->hist_hi) {
+		const size_t bytes = (b->hist_hi - b->hist_lo) * sizeof(b->hist.stop[0]);
+
+		memset(&b->hist.stop[b->hist_lo], 0, bytes);
+		memset(&b->hist.need[b->hist_lo], 0, bytes);
+	}
+	b->hist_lo = MC_HIST_BINS;
+	b->hist_hi = 0;
 }
 
 static void collect(struct mc_backend *b, const struct cuda_job *job, struct stats_sums *sums)
@@ -150,9 +171,13 @@ static void collect(struct mc_backend *b, const struct cuda_job *job, struct sta
 	s.stop_sum = (int64_t)out->sum[job->hist_future][CUDA_STOP];
 	s.stop_sum2 = out->sum[job->hist_future][CUDA_STOP2];
 	stats_add(sums, &s);
-	for (int i = 0; job->flags & MC_WANT_HIST && i < MC_HIST_BINS; i++) {
-		b->hist.stop[i] += out->stop[i];
-		b->hist.need[i] += out->need[i];
+	if (job->flags & MC_WANT_HIST) {
+		b->hist_lo = out->lo < b->hist_lo ? out->lo : b->hist_lo;
+		b->hist_hi = out->hi > b->hist_hi ? out->hi : b->hist_hi;
+		for (uint32_t i = out->lo; i < out->hi; i++) {
+			b->hist.stop[i] += out->stop[i];
+			b->hist.need[i] += out->need[i];
+		}
 	}
 }
 
@@ -176,11 +201,13 @@ static int cuda_run(struct mc_backend *b, const struct mc_request *req, const ui
 		return err;
 	}
 	mc_cuda_job(&job, req);
-	memset(&b->hist, 0, req->flags & MC_WANT_HIST ? sizeof(b->hist) : 0);
+	hist_clear(b);
 	while (sums.n < req->n && !(cut && __atomic_load_n(cut, __ATOMIC_ACQUIRE) >= req->id)) {
 		job.first = sums.n;
-		job.count = chunk_size(b, job.first, req->n);
-		err = mc_cuda_chunk(b, pick(b, &job), &job);
+		const enum cuda_kernel k = pick(b, &job);
+
+		job.count = chunk_size(b, k, &job, req->n);
+		err = mc_cuda_chunk(b, k, &job);
 		if (err) {
 			return err;
 		}

@@ -8,12 +8,11 @@
 #include "tally.h"
 
 #define BATCH_BLOCK  128
-#define BATCH_PER_SM 5
-#define HIST_BLOCK   512
+#define BATCH_PER_SM 6
+#define HIST_BLOCK   768
 #define HIST_PER_SM  1
-#define HIST_SHARED  (2u * MC_HIST_BINS * (uint32_t)sizeof(uint32_t))
-
-#define CONCAT(a, b) a##b
+#define HIST_STAGGER 96
+#define HIST_SHARED  (MC_HIST_BINS * (uint32_t)sizeof(uint32_t))
 
 /* Copies @n words; the threads of a block share the work. */
 static __device__ void copy_words(void *to, const volatile void *from, uint32_t bytes)
@@ -23,6 +22,13 @@ static __device__ void copy_words(void *to, const volatile void *from, uint32_t 
 
 	for (uint32_t i = threadIdx.x; i < bytes / sizeof(uint32_t); i += blockDim.x) {
 		t[i] = f[i];
+	}
+}
+
+static __device__ void clear_words(void *p, uint32_t bytes)
+{
+	for (uint32_t i = threadIdx.x; i < bytes / sizeof(uint32_t); i += blockDim.x) {
+		((uint32_t *)p)[i] = 0;
 	}
 }
 
@@ -39,45 +45,60 @@ static __global__ void fetch(struct cuda_args a)
 	if (threadIdx.x == 0) {
 		a.work->check = 0;
 		a.work->ticket = 0;
+		a.work->lo = MC_HIST_BINS;
+		a.work->hi = 0;
 	}
 }
 
 /* ---- one sample ---------------------------------------------------------------------------------- */
 
-/* Inputs of draw @index: from the resident table, or made here from the same plan. Returns 1 if a floor lifted one. */
+/* Inputs of draw first + i: from the resident draws @z of first, or made here from the same plan. Returns 1 if a floor
+ * lifted one. */
 template <bool GENERATE>
-static __device__ __forceinline__ int
-draw(const struct cuda_resident *res, const struct normal_plan *normal,
-     const struct sample_plan *plan, uint64_t index, float in[MODEL_INPUTS])
+static __device__ __forceinline__ uint32_t draw(const float *z, uint32_t stride,
+						const struct normal_plan *normal,
+						const struct sample_plan *plan, uint64_t first,
+						uint32_t i, float in[MODEL_INPUTS])
 {
 	if (GENERATE) {
-		float z[MC_DIM];
+		float made[MC_DIM];
 
+#pragma unroll
 		for (uint32_t g = 0; g < NORMAL_GROUPS; g++) {
-			normal_four(normal, index, g, z + 4 * g);
+			normal_four(normal, first + i, g, made + 4 * g);
 		}
-		return sample_draw(plan, z, 1, in, 1);
+		return (uint32_t)sample_draw(plan, made, 1, in, 1);
 	}
-	return sample_draw(plan, (const float *)(res + 1) + index, res->stride, in, 1);
+	return (uint32_t)sample_draw(plan, z + i, stride, in, 1);
 }
 
-/* ---- a block's part of a batch ------------------------------------------------------------------- */
+/* ---- a block's memory ----------------------------------------------------------------------------- */
 
+#define POOL_MAX 40u /* below a warp, and what one round may add */
+#define POOL_FEW 8u  /* colliding lanes below which a warp had better wait for more */
+
+/* What all threads of a block read, and where they add up. */
 struct block_memory {
 	struct sample_plan sample;
 	struct rollout_plan roll;
-	struct normal_plan normal;
+	uint64_t first;
+	const float *draws; /* of the first sample */
+	uint32_t flags, count, step, future, stride, histograms;
+	int32_t centre;
 	uint64_t sum[CUDA_SUMS];
-	uint32_t last;
+	uint32_t last, lo, hi;
 };
 
-/* What one thread counts; 32 bits hold CUDA_CHUNK samples. */
-struct thread_sums {
-	uint32_t n, floored, hits, undecided;
-	uint64_t impact;
-	int64_t stop;
-	uint64_t stop2;
+/* What each thread counts; in shared memory, because registers are what limits how many warps run at once. */
+template <bool HIST> struct thread_sums {
+	static const uint32_t threads = HIST ? HIST_BLOCK : BATCH_BLOCK,
+			      hist_threads = HIST ? HIST_BLOCK : 1;
+	uint32_t n[threads], floored[threads], hits[threads], undecided[threads], impact[threads];
+	int64_t stop[hist_threads];
+	uint64_t stop2[hist_threads];
 };
+
+/* ---- a block's part of a batch ------------------------------------------------------------------------ */
 
 static __device__ uint64_t warp_sum(uint64_t x)
 {
@@ -87,11 +108,18 @@ static __device__ uint64_t warp_sum(uint64_t x)
 	return x;
 }
 
-static __device__ void add_up(struct block_memory *s, struct cuda_work *work, uint32_t future,
-			      const struct thread_sums *t)
+template <bool HIST>
+static __device__ void add_up(struct block_memory *s, struct cuda_work *work,
+			      const thread_sums<HIST> *t)
 {
-	const uint64_t mine[CUDA_SUMS] = {t->n,      t->floored,        t->hits, t->undecided,
-					  t->impact, (uint64_t)t->stop, t->stop2};
+	const uint32_t me = threadIdx.x;
+	const uint64_t mine[CUDA_SUMS] = {t->n[me],
+					  t->floored[me],
+					  t->hits[me],
+					  t->undecided[me],
+					  t->impact[me],
+					  HIST ? (uint64_t)t->stop[me] : 0,
+					  HIST ? t->stop2[me] : 0};
 
 	for (uint32_t i = 0; i < CUDA_SUMS; i++) {
 		const uint64_t x = warp_sum(mine[i]);
@@ -104,101 +132,162 @@ static __device__ void add_up(struct block_memory *s, struct cuda_work *work, ui
 	if (threadIdx.x < CUDA_SUMS && s->sum[threadIdx.x]) {
 		const uint64_t x = s->sum[threadIdx.x];
 
-		atomicAdd((unsigned long long *)&work->sum[future][threadIdx.x], x);
+		atomicAdd((unsigned long long *)&work->sum[s->future][threadIdx.x], x);
 		atomicAdd((unsigned long long *)&work->check,
-			  x * cuda_check_weight(future, threadIdx.x));
+			  x * cuda_check_weight(s->future, threadIdx.x));
 	}
 }
 
+extern __shared__ uint32_t hist[]; /* [MC_HIST_BINS] */
+
+/* A bin holds two counters: stop below, need above. */
+static __device__ __forceinline__ void count_hist(const struct rollout *r,
+						  const struct block_memory *s, uint32_t flags,
+						  thread_sums<true> *t)
+{
+	const float shift = r->headway - s->sample.mean[MODEL_HEADWAY];
+	const int64_t q = tally_units(r->stop) - s->centre;
+
+	t->stop[threadIdx.x] += q;
+	t->stop2[threadIdx.x] += (uint64_t)(q * q);
+	atomicAdd(&hist[tally_stop_bin(r->stop, flags)], 1u);
+	atomicAdd(&hist[tally_need_bin(r->need, shift, flags, s->flags)], 0x10000u);
+}
+
+static __device__ __forceinline__ void count_hist(const struct rollout *r,
+						  const struct block_memory *s, uint32_t flags,
+						  thread_sums<false> *t)
+{
+}
+
+/*
+ * A warp is as slow as its slowest lane, and the impact speed of one lane takes as long as that of all. Where only a
+ * few lanes collide their indices wait in the warp's pool until they fill a warp, and are rolled again from the start.
+ */
 template <bool HIST, bool GENERATE>
-static __device__ void roll(const struct cuda_args *a, struct block_memory *s, uint32_t *hist,
+static __device__ void roll(const struct cuda_args *a, struct block_memory *s,
+			    const struct normal_plan *normal, thread_sums<HIST> *t, uint32_t *pool,
 			    uint32_t rank)
 {
-	const struct cuda_job *job = &a->work->job;
-	const uint32_t futures = job->n_futures, future = rank % futures;
-	const uint32_t slots = (gridDim.x - 1) / futures, slot = rank / futures;
-	const uint32_t flags = job->flags, count = job->count;
-	const bool histograms = HIST && future == job->hist_future;
-	struct thread_sums t = {};
+	const uint32_t me = threadIdx.x, lane = me % 32;
+	uint32_t base = s->step ? rank * blockDim.x + me - lane : s->count, pooled = 0;
 
-	copy_words(&s->sample, &job->sample, sizeof(s->sample));
-	copy_words(&s->roll, &job->roll[future], sizeof(s->roll));
-	if (GENERATE) {
-		copy_words(&s->normal, &a->resident->normal, sizeof(s->normal));
-	}
-	for (uint32_t i = threadIdx.x; HIST && i < 2 * MC_HIST_BINS; i += blockDim.x) {
-		hist[i] = 0;
-	}
-	__syncthreads();
-	for (uint32_t i = slot * blockDim.x + threadIdx.x; slot < slots && i < count;
-	     i += slots * blockDim.x) {
-		float in[MODEL_INPUTS];
+	while (base < s->count || pooled) {
+		const bool again = pooled >= 32 || base >= s->count;
+		const uint32_t left = again ? pooled : s->count - base, n = left < 32 ? left : 32;
+		uint32_t index = base + lane, contact = 0, mask;
+		struct rollout r;
 
 		asm volatile(
 			"" ::
 				: "memory"); /* the plan stays in shared memory: as registers it would spill */
-		const int lifted =
-			draw<GENERATE>(a->resident, &s->normal, &s->sample, job->first + i, in);
-		const struct model_out out = rollout_sample(&s->roll, in, 1);
+		pooled -= again ? n : 0;
+		if (lane < n) {
+			float in[MODEL_INPUTS];
+			uint32_t flags, lifted;
 
-		t.n += future == 0;
-		t.floored += future == 0 ? lifted : 0;
-		t.hits += tally_contact(out.flags, flags);
-		t.undecided += tally_undecided(out.flags, flags);
-		t.impact += (uint32_t)tally_units(out.impact_mps);
-		if (histograms) {
-			const int64_t q = tally_units(out.stop_m) - job->centre;
-
-			t.stop += q;
-			t.stop2 += (uint64_t)(q * q);
-			atomicAdd(&hist[tally_stop_bin(out.stop_m, out.flags)], 1u);
-			atomicAdd(&hist[MC_HIST_BINS +
-					tally_need_bin(out.need_m,
-						       in[MODEL_HEADWAY] -
-							       s->sample.mean[MODEL_HEADWAY],
-						       out.flags, flags)],
-				  1u);
+			index = again ? pool[pooled + lane] : index;
+			lifted = draw<GENERATE>(s->draws, s->stride, normal, &s->sample, s->first,
+						index, in);
+			t->floored[me] += again ? 0 : lifted;
+			flags = rollout_need(&s->roll, in, 1, &r);
+			contact = flags & MODEL_CONTACT && s->flags & MC_WANT_IMPACT;
+			if (!again) {
+				t->n[me]++;
+				t->hits[me] += tally_contact(flags, s->flags);
+				t->undecided[me] += tally_undecided(flags, s->flags);
+				if (HIST && s->histograms) {
+					count_hist(&r, s, flags, t);
+				}
+			}
 		}
+		mask = __ballot_sync(0xffffffffu, contact);
+		if (again || __popc(mask) >= POOL_FEW) {
+			if (contact) {
+				t->impact[me] += (uint32_t)tally_units(rollout_impact(&r));
+			}
+		} else {
+			if (contact) {
+				pool[pooled + __popc(mask & ((1u << lane) - 1))] = index;
+			}
+			pooled += __popc(mask);
+		}
+		__syncwarp();
+		base += again ? 0 : s->step;
 	}
-	add_up(s, a->work, future, &t);
-	for (uint32_t i = threadIdx.x; histograms && i < 2 * MC_HIST_BINS; i += blockDim.x) {
-		if (hist[i]) {
-			atomicAdd(i < MC_HIST_BINS ? &a->work->stop[i]
-						   : &a->work->need[i - MC_HIST_BINS],
-				  hist[i]);
+	add_up<HIST>(s, a->work, t);
+}
+
+/* A block's histogram into the device's. Blocks start at different bins, so as not to queue for the same ones. */
+static __device__ void hist_flush(struct block_memory *s, struct cuda_work *work)
+{
+	uint32_t lo = MC_HIST_BINS, hi = 0;
+
+	for (uint32_t k = threadIdx.x; k < MC_HIST_BINS; k += blockDim.x) {
+		const uint32_t i = (k + blockIdx.x * HIST_STAGGER) % MC_HIST_BINS,
+			       stop = hist[i] & 0xffffu, need = hist[i] >> 16;
+
+		if (stop) {
+			atomicAdd(&work->stop[i], stop);
 		}
+		if (need) {
+			atomicAdd(&work->need[i], need);
+		}
+		lo = stop | need && i < lo ? i : lo;
+		hi = stop | need && i >= hi ? i + 1 : hi;
+	}
+	lo = __reduce_min_sync(0xffffffffu, lo);
+	hi = __reduce_max_sync(0xffffffffu, hi);
+	if (threadIdx.x % 32 == 0) {
+		atomicMin(&s->lo, lo);
+		atomicMax(&s->hi, hi);
+	}
+	__syncthreads();
+	if (threadIdx.x == 0) {
+		atomicMin(&work->lo, s->lo);
+		atomicMax(&work->hi, s->hi);
 	}
 }
 
 /* ---- the auditor: one block of each chunk, another one every time --------------------------------- */
 
-static __device__ uint64_t digest(const void *p, uint32_t from, uint32_t to)
+/* Words from..to-1, by the threads from @warp on; all of them multiples of four words. */
+static __device__ uint64_t digest(const void *p, uint32_t from, uint32_t to, uint32_t warp)
 {
-	const uint32_t *w = (const uint32_t *)p;
+	const uint4 *w = (const uint4 *)p;
 	uint64_t sum = 0;
 
-	for (uint32_t i = from + threadIdx.x; i < to; i += blockDim.x) {
-		sum += cuda_digest_word(__ldcg(&w[i]), i);
+#pragma unroll 8
+	for (uint32_t i = from / 4 + threadIdx.x - 32 * warp; i < to / 4;
+	     i += blockDim.x - 32 * warp) {
+		const uint4 x = __ldcg(&w[i]);
+
+		sum += cuda_digest_word(x.x, 4ull * i) + cuda_digest_word(x.y, 4ull * i + 1) +
+		       cuda_digest_word(x.z, 4ull * i + 2) + cuda_digest_word(x.w, 4ull * i + 3);
 	}
 	return warp_sum(sum);
 }
 
-static __device__ void audit(const struct cuda_args *a, struct block_memory *s)
+static __device__ __noinline__ void audit(struct cuda_args args, struct block_memory *s)
 {
+	const struct cuda_args *a = &args;
 	const struct cuda_resident *res = a->resident;
 	const uint32_t from = a->work->job.slice * CUDA_SLICE_WORDS;
 	const uint32_t to =
 		from + CUDA_SLICE_WORDS < res->words ? from + CUDA_SLICE_WORDS : res->words;
-	const uint64_t job = digest(&a->work->job, 0, sizeof(struct cuda_job) / sizeof(uint32_t));
-	const uint64_t slice = digest(res, from, to);
 
-	if (threadIdx.x % 32 == 0) {
-		atomicAdd((unsigned long long *)&s->sum[0], job);
-		atomicAdd((unsigned long long *)&s->sum[1], slice);
-	}
 	if (threadIdx.x < CUDA_CANARIES) {
 		a->out->canary[threadIdx.x] = rollout_sample(
 			&res->canary_plan, &res->canary[0][threadIdx.x], CUDA_CANARIES);
+	} else {
+		const uint64_t job =
+			digest(&a->work->job, 0, sizeof(struct cuda_job) / sizeof(uint32_t), 1);
+		const uint64_t slice = digest(res, from, to, 1);
+
+		if (threadIdx.x % 32 == 0) {
+			atomicAdd((unsigned long long *)&s->sum[0], job);
+			atomicAdd((unsigned long long *)&s->sum[1], slice);
+		}
 	}
 	__syncthreads();
 	if (threadIdx.x == 0) {
@@ -211,6 +300,23 @@ static __device__ void audit(const struct cuda_args *a, struct block_memory *s)
 
 /* ---- the end: the last block to arrive hands everything over ---------------------------------------- */
 
+/* The bins from lo to hi; the device's own back to zero. */
+static __device__ void publish_hist(const struct cuda_args *a)
+{
+	const uint32_t lo = __ldcg(&a->work->lo), hi = __ldcg(&a->work->hi);
+
+	for (uint32_t i = lo + threadIdx.x; i < hi; i += blockDim.x) {
+		a->out->stop[i] = __ldcg(&a->work->stop[i]);
+		a->out->need[i] = __ldcg(&a->work->need[i]);
+		a->work->stop[i] = 0;
+		a->work->need[i] = 0;
+	}
+	if (threadIdx.x == 0) {
+		a->out->lo = lo;
+		a->out->hi = hi;
+	}
+}
+
 template <bool HIST> static __device__ void publish(const struct cuda_args *a)
 {
 	const uint64_t *sum = &a->work->sum[0][0];
@@ -221,11 +327,8 @@ template <bool HIST> static __device__ void publish(const struct cuda_args *a)
 	if (threadIdx.x == 0) {
 		a->out->check = __ldcg(&a->work->check);
 	}
-	for (uint32_t i = threadIdx.x; HIST && i < MC_HIST_BINS; i += blockDim.x) {
-		a->out->stop[i] = __ldcg(&a->work->stop[i]);
-		a->out->need[i] = __ldcg(&a->work->need[i]);
-		a->work->stop[i] = 0;
-		a->work->need[i] = 0;
+	if (HIST) {
+		publish_hist(a);
 	}
 	__threadfence_system();
 	__syncthreads();
@@ -239,19 +342,56 @@ static __global__ void __launch_bounds__(HIST ? HIST_BLOCK : BATCH_BLOCK,
 					 HIST ? HIST_PER_SM : BATCH_PER_SM)
 	batch(struct cuda_args a)
 {
-	extern __shared__ uint32_t hist[]; /* [2][MC_HIST_BINS] */
 	__shared__ struct block_memory s;
+	__shared__ thread_sums<HIST> sums;
+	__shared__ uint32_t normal[GENERATE ? sizeof(struct normal_plan) / sizeof(uint32_t) : 1];
+	__shared__ uint32_t pool[HIST ? HIST_BLOCK / 32 : BATCH_BLOCK / 32][POOL_MAX];
+	const struct cuda_job *job = &a.work->job;
 	const uint32_t rank =
-		(blockIdx.x + gridDim.x - (uint32_t)(a.work->job.seq % gridDim.x)) % gridDim.x;
+		(blockIdx.x + gridDim.x - (uint32_t)(job->seq % gridDim.x)) % gridDim.x;
 
 	if (threadIdx.x < CUDA_SUMS) {
 		s.sum[threadIdx.x] = 0;
 	}
-	__syncthreads();
+	if (threadIdx.x == 0) {
+		s.lo = MC_HIST_BINS;
+		s.hi = 0;
+	}
 	if (rank == 0) {
-		audit(&a, &s);
+		__syncthreads();
+		audit(a, &s);
 	} else {
-		roll<HIST, GENERATE>(&a, &s, hist, rank - 1);
+		const uint32_t future = (rank - 1) % job->n_futures,
+			       slot = (rank - 1) / job->n_futures;
+		const uint32_t slots = (gridDim.x - 1) / job->n_futures;
+		const bool histograms = HIST && future == job->hist_future;
+
+		clear_words(&sums, sizeof(sums));
+		copy_words(&s.sample, &job->sample, sizeof(s.sample));
+		copy_words(&s.roll, &job->roll[future], sizeof(s.roll));
+		if (threadIdx.x == 0) {
+			s.first = job->first;
+			s.draws = (const float *)(a.resident + 1) + job->first;
+			s.flags = job->flags;
+			s.count = job->count;
+			s.centre = job->centre;
+			s.future = future;
+			s.stride = a.resident->stride;
+			s.histograms = histograms;
+			s.step = slot < slots ? slots * blockDim.x : 0;
+		}
+		if (GENERATE) {
+			copy_words(normal, &a.resident->normal, sizeof(normal));
+		}
+		if (histograms) {
+			clear_words(hist, MC_HIST_BINS * sizeof(*hist));
+		}
+		__syncthreads();
+		roll<HIST, GENERATE>(&a, &s, (const struct normal_plan *)normal, &sums,
+				     pool[threadIdx.x / 32], slot);
+		if (histograms) {
+			hist_flush(&s, a.work);
+		}
 	}
 	__threadfence();
 	__syncthreads();
@@ -284,9 +424,10 @@ static __global__ void __launch_bounds__(128) samples(struct cuda_samples_args a
 				in[d] = a.in[(size_t)d * job->count + i];
 			}
 		} else if (index < a.n_resident) {
-			draw<false>(a.resident, NULL, &job->sample, index, in);
+			draw<false>((const float *)(a.resident + 1) + job->first,
+				    a.resident->stride, NULL, &job->sample, 0, i, in);
 		} else {
-			draw<true>(NULL, &a.resident->normal, &job->sample, index, in);
+			draw<true>(NULL, 0, &a.resident->normal, &job->sample, job->first, i, in);
 		}
 		a.out[k] = WHICH == MC_FAST ? rollout_sample(&job->roll[future], in, 1)
 					    : model_rollout(&job->vehicle, &job->future[future],

@@ -11,8 +11,14 @@
 #include "sample.h"
 
 #define CUDA_CANARIES    32u
-#define CUDA_SLICE_WORDS 16384u     /* of the resident memory, checked with every chunk */
+#define CUDA_SLICE_WORDS 4096u      /* of the resident memory, checked with every chunk */
 #define CUDA_CHUNK       (1u << 22) /* samples between two looks at the cut word; all sums fit 64 bit */
+
+/* Samples of a chunk for each block of a histogram kernel: a bin has 16 bits there, and blocks differ by one round. */
+#define CUDA_HIST_BLOCK_MAX 60000u
+
+/* Samples of a chunk for each thread: 32 bits hold their impact speeds. */
+#define CUDA_THREAD_MAX 4000u
 
 /* What is counted for each future; n and floored for future 0 alone. */
 enum cuda_sum {
@@ -53,6 +59,7 @@ struct cuda_out {
 	uint64_t check;     /* weighted sum of sum[][] that the blocks kept apart */
 	uint64_t sum[MC_FUTURES_MAX][CUDA_SUMS];
 	struct model_out canary[CUDA_CANARIES];
+	uint32_t lo, hi; /* the bins outside lo..hi-1 are empty, and not written */
 	uint32_t stop[MC_HIST_BINS], need[MC_HIST_BINS];
 	uint64_t seq;
 };
@@ -62,7 +69,7 @@ struct cuda_work {
 	struct cuda_job job;
 	uint64_t sum[MC_FUTURES_MAX][CUDA_SUMS];
 	uint64_t check;
-	uint32_t ticket;
+	uint32_t ticket, lo, hi, pad;
 	uint32_t stop[MC_HIST_BINS], need[MC_HIST_BINS];
 };
 

@@ -21,6 +21,7 @@ struct mc_backend {
 	uint64_t *slice_sum;                    /* [slices] */
 	uint32_t n_resident, slices;
 	struct mc_hist hist;
+	uint32_t hist_lo, hist_hi; /* its bins that are not empty lie within lo..hi-1 */
 
 	/* page-locked, mapped */
 	struct cuda_job *job;

@@ -3,33 +3,43 @@
  * mc_cuda.cu alone.
  */
 
+/* Eq. 4 to 6 as they are printed, eq. 5 solved for a. */
+static __device__ __forceinline__ void paper_rates(const struct cuda_paper_args *a, const struct cuda_paper_sample *p,
+						   double v, double brake, double *dv, double *da)
+{
+	const double bound = -p->mu * a->gravity_mps2 / (1.0 + p->mu * a->h_over_l);
+	const double held = brake > bound ? brake : bound;
+
+	*dv = held - a->rho_kgpm3 * p->drag * a->area_m2 * v * v / (2.0 * p->mass) -
+	      a->gravity_mps2 * det_sin(p->grade);
+	*da = (a->cmd_mps2 - brake) / p->tau;
+}
+
 /* Sec. V: one thread per sample, parameters as an array of structures, v0 and results contiguous, state in registers,
  * f64, 1 ms, standstill or T_max as the only ends. No lead, no gap, no statistics. */
 static __global__ void __launch_bounds__(256) paper(struct cuda_paper_args a)
 {
 	const uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
-	struct model_sample p = {};
-	struct model_state s = {0.0, 0.0, 0.0};
-	double t = 0.0;
+	const double h = a.dt_s;
 
 	if (i >= a.count) {
 		return;
 	}
-	p.drag_pm = 0.5 * a.rho_kgpm3 * a.param[i].drag * a.area_m2 / a.param[i].mass;
-	p.grade_mps2 = a.gravity_mps2 * det_sin(a.param[i].grade);
-	p.bound_mps2 = a.param[i].mu * a.gravity_mps2 / (1.0 + a.param[i].mu * a.h_over_l);
-	p.rate_ps = 1.0 / a.param[i].tau;
-	p.cmd_mps2 = a.cmd_mps2;
-	s.v = a.v0[i];
-	while (s.v > 0.0 && t < a.horizon_s) {
-		const struct model_state n = model_step(&p, s, a.dt_s);
+	const struct cuda_paper_sample p = a.param[i];
+	double x = 0.0, v = a.v0[i], brake = 0.0;
 
-		s.x = n.v > 0.0 ? n.x : s.x + 0.5 * s.v * a.dt_s * (s.v / (s.v - n.v));
-		s.v = n.v;
-		s.a = n.a;
-		t += a.dt_s;
+	for (double t = 0.0; v > 0.0 && t < a.horizon_s; t += h) {
+		double v1, v2, v3, v4, a1, a2, a3, a4;
+
+		paper_rates(&a, &p, v, brake, &v1, &a1);
+		paper_rates(&a, &p, v + 0.5 * h * v1, brake + 0.5 * h * a1, &v2, &a2);
+		paper_rates(&a, &p, v + 0.5 * h * v2, brake + 0.5 * h * a2, &v3, &a3);
+		paper_rates(&a, &p, v + h * v3, brake + h * a3, &v4, &a4);
+		x += h / 6.0 * (v + 2.0 * (v + 0.5 * h * v1) + 2.0 * (v + 0.5 * h * v2) + (v + h * v3));
+		v += h / 6.0 * (v1 + 2.0 * v2 + 2.0 * v3 + v4);
+		brake += h / 6.0 * (a1 + 2.0 * a2 + 2.0 * a3 + a4);
 	}
-	a.stop_m[i] = s.x;
+	a.stop_m[i] = x;
 }
 
 /* Eight independent chains a thread: what the f32 pipes can issue. The result is only there so that it is computed. */

@@ -89,6 +89,39 @@ static void test_table(void **arg)
 	}
 }
 
+/* Rows a power of two apart would share their cache sets. */
+static void test_stride(void **arg)
+{
+	(void)arg;
+	for (uint32_t n = 1024; n <= 65536; n *= 2) {
+		struct mc_params p = params(MC_PHILOX, 1, n);
+		struct draws *d = opened(&p);
+		uint32_t stride;
+
+		draws_table(d, &stride);
+		assert_int_not_equal(stride % 1024, 0);
+		draws_close(d);
+	}
+}
+
+/* Beyond 2^32 the net is scrambled anew. */
+static void test_beyond(void **arg)
+{
+	struct mc_params p = params(MC_SOBOL, 99, 1);
+	struct normal_plan plan;
+
+	(void)arg;
+	assert_int_equal(draws_plan(&p, &plan), 0);
+	for (uint32_t dim = 0; dim < MC_DIM; dim++) {
+		uint32_t first = normal_sobol_bits(&plan, 0, dim);
+		uint32_t again = normal_sobol_bits(&plan, 1ull << 32, dim);
+
+		assert_int_not_equal(first, again);
+		assert_int_not_equal(first ^ normal_sobol_bits(&plan, 1, dim),
+				     again ^ normal_sobol_bits(&plan, (1ull << 32) + 1, dim));
+	}
+}
+
 /* Any piece at any offset is the same as that part of a longer run, also where the index passes 2^32. */
 static void test_pieces(void **arg)
 {
@@ -306,7 +339,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(test_refused),    cmocka_unit_test(test_table),
-		cmocka_unit_test(test_pieces),     cmocka_unit_test(test_seeds),
+		cmocka_unit_test(test_pieces),     cmocka_unit_test(test_stride),
+		cmocka_unit_test(test_beyond),     cmocka_unit_test(test_seeds),
 		cmocka_unit_test(test_stratified), cmocka_unit_test(test_pair_stratified),
 		cmocka_unit_test(test_moments),    cmocka_unit_test(test_uncorrelated),
 		cmocka_unit_test(test_prior),      cmocka_unit_test(test_truncated),

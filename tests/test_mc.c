@@ -19,11 +19,8 @@
 /* What the fake does with a request: its number of samples says. */
 enum { RUN_GOOD = 1000, RUN_GATED, RUN_UNTIL_CUT, RUN_FAILING, RUN_STUCK };
 
-#define LOG_LEN 16
-
 struct mc_backend {
-	sem_t started, gate; /* RUN_GATED, RUN_STUCK: posts one, waits for the other */
-	uint64_t log[LOG_LEN];
+	sem_t started, gate; /* every run posts one, RUN_GATED and RUN_STUCK wait for the other */
 	uint32_t runs;
 	int signals_blocked;
 };
@@ -61,9 +58,12 @@ static int fake_run(struct mc_backend *b, const struct mc_request *req, const ui
 
 	pthread_sigmask(SIG_BLOCK, NULL, &mask);
 	b->signals_blocked = sigismember(&mask, SIGTERM) && sigismember(&mask, SIGUSR1);
-	b->log[b->runs++ % LOG_LEN] = req->id;
+	b->runs++;
+	sem_post(&b->started);
+	if (req->n == RUN_FAILING) {
+		return -EIO;
+	}
 	if (req->n == RUN_GATED || req->n == RUN_STUCK) {
-		sem_post(&b->started);
 		sem_wait(&b->gate);
 	}
 	while (req->n == RUN_UNTIL_CUT && __atomic_load_n(cut, __ATOMIC_ACQUIRE) < req->id) {
@@ -72,7 +72,7 @@ static int fake_run(struct mc_backend *b, const struct mc_request *req, const ui
 	res->id = req->id;
 	res->n = (uint64_t)req->mean[MODEL_HEADWAY];
 	res->req_hash = mc_request_hash(req);
-	return req->n == RUN_FAILING ? -EIO : 0;
+	return 0;
 }
 
 static const struct mc_ops fake_ops = {
@@ -86,6 +86,14 @@ static struct mc *opened(int worker)
 	assert_int_equal(mc_open(&fake_ops, &p, worker, &mc), 0);
 	assert_int_equal(fakes_open, 1);
 	return mc;
+}
+
+/* Tests with a worker run twice, with one that sleeps and one that spins. */
+static int sleeps = MC_WORKER, spins = MC_WORKER_SPINS;
+
+static int kind(void **arg)
+{
+	return *(int *)*arg;
 }
 
 static struct mc_request request(uint64_t id, uint32_t what)
@@ -162,7 +170,7 @@ static void test_worker_fails(void **arg)
 static void test_refused(void **arg)
 {
 	(void)arg;
-	for (int worker = 0; worker < 2; worker++) {
+	for (int worker = MC_INLINE; worker <= MC_WORKER_SPINS; worker++) {
 		struct mc *mc = opened(worker);
 		struct mc_request bad = request(1, RUN_GOOD);
 		struct mc_result res;
@@ -179,7 +187,7 @@ static void test_refused(void **arg)
 
 static void test_inline(void **arg)
 {
-	struct mc *mc = opened(0);
+	struct mc *mc = opened(MC_INLINE);
 	struct mc_request r = request(5, RUN_GOOD);
 	struct mc_result res;
 
@@ -193,25 +201,28 @@ static void test_inline(void **arg)
 	assert_int_equal(res.id, 5);
 	assert_true(res.req_hash == mc_request_hash(&r));
 	assert_int_equal(mc_poll(mc, &res), 0);
-	assert_int_equal(submit(mc, 6, RUN_GOOD), 0);
+	for (uint64_t id = 2; id < 7;
+	     id++) { /* through all slots: the failed one must not show old figures */
+		assert_int_equal(submit(mc, id, RUN_GOOD), 0);
+	}
 	assert_int_equal(submit(mc, 7, RUN_FAILING), 0);
 	assert_int_equal(mc_poll(mc, &res), -EIO);
 	assert_int_equal(res.id, 7);
+	assert_int_equal(res.n, 0);
 	assert_int_equal(mc_poll(mc, &res), 0);
 	mc_cut(mc, 8);
 	assert_int_equal(submit(mc, 8, RUN_UNTIL_CUT), 0);
 	assert_int_equal(mc_poll(mc, &res), 1);
-	assert_int_equal(fake->runs, 4);
+	assert_int_equal(fake->runs, 8);
 	mc_close(mc);
 	assert_int_equal(fakes_open, 0);
 }
 
 static void test_worker(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_result res;
 
-	(void)arg;
 	assert_true(mc_thread(mc) != 0);
 	assert_true(mc_thread(mc) != (unsigned long)pthread_self());
 	for (uint64_t id = 1; id <= 100; id++) {
@@ -226,11 +237,10 @@ static void test_worker(void **arg)
 
 static void test_signals(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_result res;
 	sigset_t mask;
 
-	(void)arg;
 	assert_int_equal(submit(mc, 1, RUN_GOOD), 0);
 	assert_int_equal(fetch(mc, &res), 1);
 	assert_int_equal(fake->signals_blocked, 1);
@@ -241,10 +251,9 @@ static void test_signals(void **arg)
 
 static void test_newest_wins(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_result res;
 
-	(void)arg;
 	assert_int_equal(mc_busy(mc), 0);
 	assert_int_equal(submit(mc, 1, RUN_GATED), 0);
 	sem_wait(&fake->started);
@@ -270,10 +279,9 @@ static void test_newest_wins(void **arg)
 /* A result that nobody fetched gives way to the next one, and both announcements are taken by one poll. */
 static void test_newest_result(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_result res;
 
-	(void)arg;
 	assert_int_equal(submit(mc, 1, RUN_GOOD), 0);
 	while (mc_busy(mc)) {
 		sched_yield();
@@ -290,10 +298,9 @@ static void test_newest_result(void **arg)
 
 static void test_cut(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_result res;
 
-	(void)arg;
 	assert_int_equal(submit(mc, 10, RUN_UNTIL_CUT), 0);
 	mc_cut(mc, 9);
 	poll(NULL, 0, 20);
@@ -309,10 +316,9 @@ static void test_cut(void **arg)
 
 static void test_failing(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_result res;
 
-	(void)arg;
 	assert_int_equal(submit(mc, 1, RUN_FAILING), 0);
 	assert_int_equal(fetch(mc, &res), -EIO);
 	assert_int_equal(res.id, 1);
@@ -325,10 +331,10 @@ static void test_failing(void **arg)
 
 static void test_close_cuts(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 
-	(void)arg;
 	assert_int_equal(submit(mc, 1, RUN_UNTIL_CUT), 0);
+	sem_wait(&fake->started);
 	mc_close(mc);
 	assert_int_equal(fakes_open, 0);
 }
@@ -336,11 +342,10 @@ static void test_close_cuts(void **arg)
 /* The stuck worker comes back after it was given up: all it touches must still be there. */
 static void test_stuck(void **arg)
 {
-	static struct mc *abandoned; /* reachable, so that no leak checker minds */
+	static struct mc *kept[2]; /* reachable, so that no leak checker minds */
 	struct pollfd done = {.events = POLLIN};
+	struct mc *abandoned = kept[kind(arg) == MC_WORKER] = opened(kind(arg));
 
-	(void)arg;
-	abandoned = opened(1);
 	done.fd = mc_eventfd(abandoned);
 	assert_int_equal(submit(abandoned, 1, RUN_STUCK), 0);
 	sem_wait(&fake->started);
@@ -356,12 +361,11 @@ static void test_stuck(void **arg)
 /* Submits without pause and reads along: what comes out is whole, in order, and ends with the last. */
 static void test_stress(void **arg)
 {
-	struct mc *mc = opened(1);
+	struct mc *mc = opened(kind(arg));
 	struct mc_request r = request(1, RUN_GOOD);
 	struct mc_result res;
 	uint64_t last = 0;
 
-	(void)arg;
 	for (uint64_t id = 1; id <= 20000; id++) {
 		r.id = id;
 		r.mean[MODEL_HEADWAY] = (float)id;
@@ -382,16 +386,28 @@ static void test_stress(void **arg)
 	mc_close(mc);
 }
 
+#define WITH_WORKER(test)                                   \
+	{#test " sleeping", test, NULL, NULL, &sleeps},     \
+	{                                                   \
+#test " spinning", test, NULL, NULL, &spins \
+	}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_open_fails),  cmocka_unit_test(test_worker_fails),
-		cmocka_unit_test(test_refused),     cmocka_unit_test(test_inline),
-		cmocka_unit_test(test_worker),      cmocka_unit_test(test_signals),
-		cmocka_unit_test(test_newest_wins), cmocka_unit_test(test_newest_result),
-		cmocka_unit_test(test_cut),         cmocka_unit_test(test_failing),
-		cmocka_unit_test(test_close_cuts),  cmocka_unit_test(test_stuck),
-		cmocka_unit_test(test_stress),
+		cmocka_unit_test(test_open_fails),
+		cmocka_unit_test(test_worker_fails),
+		cmocka_unit_test(test_refused),
+		cmocka_unit_test(test_inline),
+		WITH_WORKER(test_worker),
+		WITH_WORKER(test_signals),
+		WITH_WORKER(test_newest_wins),
+		WITH_WORKER(test_newest_result),
+		WITH_WORKER(test_cut),
+		WITH_WORKER(test_failing),
+		WITH_WORKER(test_close_cuts),
+		WITH_WORKER(test_stuck),
+		WITH_WORKER(test_stress),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -72,6 +72,41 @@ static void test_quantile(void **arg)
 	assert_true(isnan(stats_quantile(h, 0.0, 0.501)));
 }
 
+/* The definition, bin by bin. */
+static double plain_quantile(const uint64_t *h, double q)
+{
+	uint64_t total = 0, below = 0;
+	int bin = 0;
+
+	for (int i = 0; i < MC_HIST_BINS; i++) {
+		total += h[i];
+	}
+	while (h[bin] == 0 || (double)(below + h[bin]) < q * (double)total) {
+		below += h[bin++];
+	}
+	return MC_HIST_BIN_M * (bin + (q * (double)total - (double)below) / (double)h[bin]);
+}
+
+/* Sparse and dense histograms that end anywhere below the last bin. */
+static void test_quantile_plain(void **arg)
+{
+	uint32_t x = 1;
+
+	(void)arg;
+	for (int round = 0; round < 200; round++) {
+		memset(&hist, 0, sizeof(hist));
+		for (int i = 0; i < 1 + round * 10; i++) {
+			x = x * 1664525u + 1013904223u;
+			hist.stop[(x >> 16) % (MC_HIST_BINS - 1)] += x >> 30;
+		}
+		hist.stop[round * 40] += 1;
+		for (double q = 0.0; q <= 1.0; q += 0.0625) {
+			assert_true(stats_quantile(hist.stop, 0.0, q) ==
+				    plain_quantile(hist.stop, q));
+		}
+	}
+}
+
 static struct mc_request request(uint32_t n)
 {
 	struct mc_request r;
@@ -265,17 +300,12 @@ static void test_add(void **arg)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_wilson),
-		cmocka_unit_test(test_wilson_ends),
-		cmocka_unit_test(test_quantile),
-		cmocka_unit_test(test_risk),
-		cmocka_unit_test(test_undecided_only),
-		cmocka_unit_test(test_not_wanted),
-		cmocka_unit_test(test_no_sample),
-		cmocka_unit_test(test_stops),
-		cmocka_unit_test(test_stops_extreme),
-		cmocka_unit_test(test_headway),
-		cmocka_unit_test(test_add),
+		cmocka_unit_test(test_wilson),     cmocka_unit_test(test_wilson_ends),
+		cmocka_unit_test(test_quantile),   cmocka_unit_test(test_quantile_plain),
+		cmocka_unit_test(test_risk),       cmocka_unit_test(test_undecided_only),
+		cmocka_unit_test(test_not_wanted), cmocka_unit_test(test_no_sample),
+		cmocka_unit_test(test_stops),      cmocka_unit_test(test_stops_extreme),
+		cmocka_unit_test(test_headway),    cmocka_unit_test(test_add),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -52,16 +52,21 @@ HD void rollout_near_fit(struct rollout *r)
 	r->near_b = at3 > 0.0f ? det_fmaf(2.0f * g, r->tau, -0.8f * w) : b;
 	r->near_c = at3 > 0.0f ? 2.0f * w * r->tau : c;
 	r->near_d = at3 > 0.0f ? 0.0f : r->k * force * force * (1.0f / 3.0f);
+	/* a lead that brakes harder than the ego ever does is never the faster one again */
+	r->want = det_maxf(det_fmaf(kv, v, force), 0.0f) + r->al > 0.0f ? r->want : 0.0f;
 }
 
-/** rollout_near_root - first guess: root of a s^2 + b s - c, then of d s^3 too. No root: the end of the phase. */
+/** rollout_near_root - first guess: root of a s^2 + b s - c, then of d s^3 too; or where that comes nearest to 0. */
 HD void rollout_near_root(struct rollout *r)
 {
 	const float a = r->near_a, b = r->near_b, c = r->near_c;
-	const float root = det_sqrtf(det_maxf(det_fmaf(b, b, 4.0f * a * c), 0.01f));
-	const float num = b > 0.0f ? 2.0f * c : root - b;
+	const float disc = det_fmaf(b, b, 4.0f * a * c);
+	const float root = det_sqrtf(det_maxf(disc, 0.01f));
 	const float two_a = det_maxf(a, -a) > 1e-9f ? 2.0f * a : 1e-9f;
-	const float den = b > 0.0f ? b + root : two_a;
+	const float num_b = b > 0.0f ? 2.0f * c : root - b;
+	const float den_b = b > 0.0f ? b + root : two_a;
+	const float num = disc > 0.0f ? num_b : -b;
+	const float den = disc > 0.0f ? den_b : two_a;
 	const float inv = 1.0f / (den * root);
 	const float s1 = num * root * inv;
 	const float fix = r->near_d * s1 * s1 * s1 * den * inv;
@@ -83,14 +88,16 @@ HD void rollout_approach(struct rollout *r)
 	const float dv = r->al - r->at_dv;
 	const float ddv = det_fmaf(r->at_fe, r->rate, 2.0f * r->k * r->at_v * r->at_dv);
 	const float disc = det_fmaf(dv, dv, -2.0f * v * ddv);
-	const float num = disc > 0.0f ? -2.0f * v : -dv;
+	const float top =
+		det_maxf(disc, v) < 0.0f ? 0.0f : -dv; /* falls short of the lead's speed: stay */
+	const float num = disc > 0.0f ? -2.0f * v : top;
 	const float den = disc > 0.0f ? dv + det_sqrtf(det_maxf(disc, 0.0f)) : ddv;
 	const float step = num / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
 	const float next = det_minf(det_maxf(s + step, r->near_lo), r->near_hi);
 	const float h = next - s, h2 = h * h;
-	const float rest = r->at_fe * r->rate * r->rate * h2 * h2;
-	const float far = h2 < 0.0225f ? 0.0f : 1.0f;
-	const float more = rest < 2e-4f ? far : 1.0f;
+	const float third =
+		det_fmaf(r->at_fe * r->rate, r->rate, 2.0f * r->k * r->at_dv * r->at_dv);
+	const float more = third * h2 * h2 < 5e-4f ? 0.0f : 1.0f; /* /24: 0.02 mm left out below */
 	const float by =
 		more > 0.0f
 			? 0.0f

@@ -99,6 +99,26 @@ LANE_LOOP uint32_t lane_count(const uint32_t *restrict flags, uint32_t n, uint32
 	return count;
 }
 
+LANE_LOOP void lane_mask(float *restrict want, const uint32_t *restrict flags)
+{
+	for (int i = 0; i < LANES; i++) {
+		want[i] = (flags[i] & MODEL_CONTACT) != 0 ? want[i] : 0.0f;
+	}
+}
+
+_Static_assert(MODEL_CONTACT == 1u, "makes a mask");
+
+LANE_LOOP uint32_t lane_impact(const float *restrict mps, const uint32_t *restrict flags,
+			       uint32_t n)
+{
+	uint32_t sum = 0; /* 128 lanes of at most 2^20 */
+
+	for (uint32_t i = 0; i < n; i++) {
+		sum += (uint32_t)tally_units(mps[i]) & (0u - (flags[i] & MODEL_CONTACT));
+	}
+	return sum;
+}
+
 LANE_LOOP void lane_moments(const float *restrict stop, uint32_t n, int32_t centre,
 			    struct stats_sums *sums)
 {
@@ -138,23 +158,21 @@ static void impact(struct lanes_block *b, const struct rollout_plan *p)
 	}
 }
 
-static void put_impact(const struct lanes_job *job, uint32_t future, uint32_t index, float mps)
-{
-	if (job->sums) {
-		job->sums->impact_units[future] += (uint32_t)tally_units(mps);
-	}
-	if (job->out) {
-		job->out[(size_t)future * job->out_stride + index].impact_mps = mps;
-	}
-}
-
 /* None of this depends on the future a lane comes from. */
 static void pool_flush(struct lanes_work *w, const struct lanes_job *job)
 {
 	lane_hit(&w->pool, &job->future[0]);
 	impact(&w->pool, &job->future[0]);
 	for (uint32_t i = 0; i < w->pooled; i++) {
-		put_impact(job, w->pool_future[i], w->pool_index[i], w->pool.impact[i]);
+		const uint32_t f = w->pool_future[i];
+		const float mps = w->pool.impact[i];
+
+		if (job->sums) {
+			job->sums->impact_units[f] += (uint32_t)tally_units(mps);
+		}
+		if (job->out) {
+			job->out[(size_t)f * job->out_stride + w->pool_index[i]].impact_mps = mps;
+		}
 	}
 	w->pooled = 0;
 }
@@ -189,14 +207,28 @@ static void impact_all(struct lanes_work *w, const struct lanes_job *job, uint32
 	struct lanes_block *b = &w->block;
 
 	lane_hit(b, &job->future[future]);
-	for (int i = 0; i < LANES; i++) {
-		b->want[i] = w->flags[i] & MODEL_CONTACT ? b->want[i] : 0.0f;
-	}
+	lane_mask(b->want, w->flags);
 	impact(b, &job->future[future]);
-	for (uint32_t i = 0; i < n; i++) {
+	if (job->sums) {
+		job->sums->impact_units[future] += lane_impact(b->impact, w->flags, n);
+	}
+	for (uint32_t i = 0; job->out && i < n; i++) {
 		if (w->flags[i] & MODEL_CONTACT) {
-			put_impact(job, future, first + i, b->impact[i]);
+			job->out[(size_t)future * job->out_stride + first + i].impact_mps =
+				b->impact[i];
 		}
+	}
+}
+
+static void add_impact(struct lanes_work *w, const struct lanes_job *job, uint32_t n,
+		       uint32_t future, uint32_t first)
+{
+	const uint32_t hits = lane_count(w->flags, n, MODEL_CONTACT);
+
+	if (hits > LANES / 2) {
+		impact_all(w, job, n, future, first);
+	} else if (hits > 0) {
+		pool_add(w, job, n, future, first);
 	}
 }
 
@@ -303,13 +335,8 @@ static void future(struct lanes_work *w, const struct lanes_job *job, uint32_t f
 	if (job->out) {
 		put(w, job, n, f, first);
 	}
-	if (!(job->flags & MC_WANT_IMPACT)) {
-		return;
-	}
-	if (lane_count(w->flags, n, MODEL_CONTACT) > LANES / 2) {
-		impact_all(w, job, n, f, first);
-	} else {
-		pool_add(w, job, n, f, first);
+	if (job->flags & MC_WANT_IMPACT) {
+		add_impact(w, job, n, f, first);
 	}
 }
 

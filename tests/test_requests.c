@@ -187,6 +187,16 @@ static void test_damaged_line(void **state)
 	}
 }
 
+static off_t first_line(void)
+{
+	FILE *f = fopen(path, "r");
+	char line[256];
+
+	assert_non_null(fgets(line, sizeof(line), f));
+	fclose(f);
+	return (off_t)strlen(line);
+}
+
 static void test_no_request(void **state)
 {
 	FILE *f = fopen(other, "w");
@@ -195,6 +205,9 @@ static void test_no_request(void **state)
 	fputs("# nothing\n\n", f);
 	fclose(f);
 	assert_int_equal(run_on(other), CLI_FAILED);
+	copy(2, 0, 1);
+	assert_int_equal(truncate(other, first_line()), 0);
+	assert_int_equal(run_on(other), CLI_GOOD); /* an event while nothing could be evaluated */
 	assert_int_equal(run_on("/nonexistent/x.requests"), CLI_FAILED);
 	assert_int_equal(run_on(dir), CLI_FAILED);
 }

@@ -106,6 +106,9 @@ static int receive(struct ask *a)
 	while (n < sizeof(a->reply)) {
 		const ssize_t got = recv(a->fd, a->reply + n, sizeof(a->reply) - n, 0);
 
+		if (got < 0 && errno == EINTR) {
+			continue; /* Ctrl-C: this answer is still wanted */
+		}
 		if (got <= 0) {
 			return got ? -errno : -ECONNRESET;
 		}

@@ -10,7 +10,10 @@
 #include "engine.h"
 #include "recorder.h"
 
+#define HEAD "# aebmc requests 1:"
+
 struct tally {
+	int head; /* the file says whose it is */
 	uint64_t requests, equal, malformed;
 	uint64_t first_differing, first_malformed; /* line numbers; 0 none */
 };
@@ -47,6 +50,7 @@ static int compare_all(FILE *in, struct mc *mc, struct tally *t)
 
 	while (!error && !cli_interrupted() && getline(&text, &size, in) >= 0) {
 		line++;
+		t->head |= !strncmp(text, HEAD, strlen(HEAD));
 		error = recorder_parse(text, &req, &want);
 		if (error == -EBADMSG && !t->malformed++) {
 			t->first_malformed = line;
@@ -89,8 +93,8 @@ static int judge(const char *name, const char *path, const struct tally *t)
 				 " such lines",
 				 path, t->first_malformed, t->malformed);
 	}
-	if (!t->requests) {
-		return cli_error(CLI_FAILED, name, "%s: there is no request in it", path);
+	if (!t->requests && !t->head) {
+		return cli_error(CLI_FAILED, name, "%s: no file of the recorder", path);
 	}
 	if (t->first_differing) {
 		return cli_error(CLI_FAILED, name,

@@ -10,7 +10,7 @@
  * requests_run - rerun every request of @a->requests, a file of the event recorder, and compare the results' hashes
  * @name: "aebmc replay", for messages
  * Draws, seed and truncation are those of the configuration. Returns an exit code: CLI_FAILED after one line where a
- * line is malformed, a result differs or there is no request.
+ * line is malformed, a result differs or the file is not the recorder's; an event without any request is good.
  */
 int requests_run(const char *name, const struct replay_args *a);
 

@@ -3,7 +3,7 @@
 # O: the Arm build; HOST_O: the native build.
 set -u
 cd "$(dirname "$0")/../.." || exit 1
-arm="qemu-aarch64-static -L /usr/aarch64-linux-gnu $O/aebmc"
+arm="qemu-aarch64-static $O/aebmc"
 host="$HOST_O/aebmc"
 dir=$(mktemp -d)
 trap 'rm -rf "$dir"' EXIT

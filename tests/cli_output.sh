@@ -1,8 +1,9 @@
 #!/bin/sh
 # What aebmc prints: valid JSON with the agreed keys, nothing lost without a word, a clean end on Ctrl-C. TAP.
+# shellcheck disable=SC2086,SC2016 # $car and $sub are words
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
-car=can-dbc/vehicles/generic.conf
+car="can-dbc/vehicles/generic.conf --set mc.samples=1024" # few, for the sanitizers
 drive=$tmp/brake.log
 ours=$tmp/ours.log
 
@@ -44,7 +45,7 @@ json "curve: risk falls with the headway, inside its interval" "$tmp/out" \
 	'all(a["risk"] >= b["risk"] and a["headway_m"] < b["headway_m"] for a, b in zip(j["curve"], j["curve"][1:])) and all(r["lo"] <= r["risk"] <= r["hi"] for r in j["curve"])'
 json "curve: no hit is below 3/N, not 0" "$tmp/out" \
 	'j["curve"][-1]["below_hi"] and abs(j["curve"][-1]["hi"] - 3 / 5000) < 1e-12'
-ok "curve of a configured scene, --json" "$AEBMC" curve --config "$car" --future driver --lead-speed 20 \
+ok "curve of a configured scene, --json" "$AEBMC" curve --config $car --future driver --lead-speed 20 \
 	--lead-accel -3 --lead-accel-sigma 0.5 --samples 4096 --json
 json "a moving lead has a time to collision of its own" "$tmp/out" \
 	'abs(j["ttc_s"]["0.05"] - j["headway_m"]["0.05"] / 10) < 1e-9'
@@ -61,14 +62,14 @@ json "converge: every row within 4 standard errors of the paper's mean" "$tmp/ou
 	'all(abs(r["mean_z"]) < 4 for r in j["rows"])'
 json "converge: standard errors as of independent samples" "$tmp/out" \
 	'all(abs(r["mean_se_m"] - r["sd_m"] / math.sqrt(r["samples"])) < 1e-12 and r["sd_se_m"] > 0 for r in j["rows"])'
-ok "verify --json" "$AEBMC" verify --samples 500 --json
+ok "verify --json" "$AEBMC" verify --samples 500 --resident 512 --json
 json "verify: the agreed keys" "$tmp/out" \
 	'j["max_stop_dev_m"] < 5e-4 and j["verdict_mismatches"] == 0 and j["bits_equal"] is True and j["threads_used"] == [1, 2, 4] and len(j["variants"]) > 0'
 ok "bench --json" "$AEBMC" bench --rounds 2 --json
 json "bench: the agreed keys" "$tmp/out" \
 	'all(j[k] > 0 for k in ("reference_ns", "paper_ns", "moving_ns", "futures_ns", "paper_ratio", "moving_ratio", "plain_loop_ns"))'
 json "bench: the plain loop computes what the reference does" "$tmp/out" 'j["plain_loop_dev_m"] < 1e-4'
-ok "replay --json" "$AEBMC" replay --config "$car" --out "$ours" --json "$drive"
+ok "replay --json" "$AEBMC" replay --config $car --out "$ours" --json "$drive"
 json "replay: the agreed keys" "$tmp/out" \
 	'all(type(j[k]) is int for k in ("frames", "evaluations", "warn", "partial", "full")) and 0 < j["risk_max"] <= 1 and "crc" in j["rejected"] and j["realtime_factor"] > 0 and len(j["config_hash"]) == 16'
 ok "decode --json" "$AEBMC" decode --json "$ours"
@@ -79,12 +80,12 @@ json "decode: every frame is ours and good" "$tmp/out" \
 ok "curve in words" "$AEBMC" curve --samples 5000
 like "curve: safe headways with their time to collision" "$tmp/out" '5\.0 % risk from +[0-9.]+ m +\([0-9.]+ s to collision\)'
 like "curve: below 3/N" "$tmp/out" 'below 0\.06'
-ok "replay in words" "$AEBMC" replay --config "$car" "$drive"
+ok "replay in words" "$AEBMC" replay --config $car "$drive"
 like "replay: the warning" "$tmp/out" '^ +[0-9.]+ s  WARNING'
 like "replay: the brake request" "$tmp/out" '^ +[0-9.]+ s  FULL BRAKING requested, -6\.0 m/s2'
 ok "decode in words" "$AEBMC" decode "$ours"
 like "decode: time, interface, words" "$tmp/out" '^[0-9]+\.[0-9]{6}  can[0-9]  '
-ok "replay --csv -" "$AEBMC" replay --config "$car" --csv - "$drive"
+ok "replay --csv -" "$AEBMC" replay --config $car --csv - "$drive"
 is "and nothing else anywhere" "$(grep -vE '^(time_s|[0-9]+\.[0-9]{6}),' "$tmp/out" "$tmp/err")" ""
 cp "$tmp/out" "$tmp/replay.csv"
 ok "CSV: one row per evaluation, units in the names" python3 -c 'import csv, sys
@@ -92,27 +93,24 @@ rows = list(csv.DictReader(open(sys.argv[1])))
 assert len(rows) > 50 and float(rows[-1]["time_s"]) > float(rows[0]["time_s"])
 for key in ("headway_m", "ego_speed_mps", "p_defer", "p_defer_lo", "p_defer_hi", "level", "state", "cause", "accel_request_mps2"):
     assert key in rows[0], key' "$tmp/replay.csv"
-ok "replay --out -" "$AEBMC" replay --config "$car" --out - "$drive"
+ok "replay --out -" "$AEBMC" replay --config $car --out - "$drive"
 cp "$tmp/out" "$tmp/stdout.log"
 ok "the same frames as into a file" cmp "$tmp/stdout.log" "$ours"
 
 # nowhere to write
 for sub in "curve --samples 1000" "curve --samples 1000 --json" "curve --samples 1000 --csv -" "converge" \
-	"verify --samples 100" "bench --rounds 1" "decode $ours" "decode --json $ours" "help" "help curve" "--version" \
+	"verify --samples 100 --resident 64" "bench --rounds 1" "decode $ours" "decode --json $ours" "help" "help curve" "--version" \
 	"replay --config $car $drive" "replay --config $car --json $drive" "replay --config $car --csv - $drive" \
 	"replay --config $car --out - $drive"; do
-	# shellcheck disable=SC2086 # words
 	full "$AEBMC" $sub
 done
 for sub in "replay --out" "replay --csv" "curve --csv"; do
 	log=$(case $sub in replay*) echo "--config $car $drive" ;; esac)
-	# shellcheck disable=SC2086
 	exits "$sub into a full disk" 1 "$AEBMC" $sub /dev/full $log
 	is "$sub says so in one line" "$(cat "$tmp/err")" "aebmc ${sub% *}: /dev/full: No space left on device"
 done
 for sub in "curve --samples 1000 --csv -" "decode $ours" "replay --config $car --csv - $drive" \
 	"replay --config $car --out - $drive"; do
-	# shellcheck disable=SC2086
 	gone "$AEBMC" $sub
 done
 
@@ -125,8 +123,8 @@ wait $child
 is "curve ends on Ctrl-C with what it has" $? 1
 like "curve says so" "$tmp/out" '^Interrupted after [0-9]+ of 4000000000 samples'
 mkfifo "$tmp/fifo"
-{ cat "$drive"; sleep 3; } >"$tmp/fifo" &
-"$AEBMC" replay --config "$car" --json "$tmp/fifo" >"$tmp/out" 2>"$tmp/err" &
+timeout 30 sh -c 'exec >"$1"; cat "$2"; sleep 3' sh "$tmp/fifo" "$drive" >/dev/null 2>&1 &
+"$AEBMC" replay --config $car --json "$tmp/fifo" >"$tmp/out" 2>"$tmp/err" &
 child=$!
 sleep 2
 kill -INT $child

@@ -11,8 +11,7 @@
 
 #define GROUP       256 /* scenes that share vehicle, future and horizon */
 #define THREADS_MAX 64
-#define BATCH       100000     /* not a multiple of any block */
-#define TRUTH       (1u << 24) /* samples against which the resident set is held */
+#define TRUTH       256 /* times as many samples as the resident set are held to be the truth */
 #define POLL_NS     (CLOCK_NS_PER_S / 10)
 
 const uint32_t checks_threads[CHECKS_THREADS] = {1, 2, 4};
@@ -68,23 +67,25 @@ static int roll_group(struct worker *w, enum verify_kind kind, uint64_t group)
 	return error;
 }
 
-static int open_contender(const struct checks *c, int i, uint32_t threads, struct mc_backend **ret)
+static int open_contender(const struct checks *c, int i, uint32_t threads, uint32_t n_resident,
+			  struct mc_backend **ret)
 {
 	struct mc_params p = c->params;
 
 	p.threads = threads;
+	p.n_resident = n_resident;
 	p.variant = c->contender[i].variant;
 	return c->contender[i].ops->open(&p, ret);
 }
 
 static int open_worker(struct worker *w)
 {
-	struct checks c = *w->field->c;
+	const struct checks *c = w->field->c;
 	int error = 0;
 
-	c.params.n_resident = 1; /* scenes are explicit */
-	for (int i = 0; i < c.n && !error; i++) {
-		error = open_contender(&c, i, 1, &w->backend[i]);
+	for (int i = 0; i < c->n && !error; i++) {
+		error = open_contender(c, i, 1, 1,
+				       &w->backend[i]); /* no draws: scenes are explicit */
 	}
 	return error;
 }
@@ -152,7 +153,7 @@ int checks_rollouts(struct checks *c)
 	if (!worker) {
 		return -ENOMEM;
 	}
-	for (; started < n && !f.error; started++) {
+	for (; started < n; started++) {
 		worker[started].field = &f;
 		if (pthread_create(&thread[started], NULL, work, &worker[started])) {
 			break;
@@ -160,7 +161,7 @@ int checks_rollouts(struct checks *c)
 	}
 	wait_all(&f, thread, started);
 	free(worker);
-	if (!f.error && !started) {
+	if (!started) {
 		return -EAGAIN;
 	}
 	return f.error || !cli_interrupted() ? f.error : -EINTR;
@@ -169,13 +170,13 @@ int checks_rollouts(struct checks *c)
 /* ---- batches ----------------------------------------------------------------------------------- */
 
 /* A scene with everything in it: all inputs drawn and correlated, four futures, two priors. */
-static void scene_full(struct mc_request *req)
+static void scene_full(struct mc_request *req, uint32_t n)
 {
 	static const struct model_future futures[MC_FUTURES_MAX] = {
 		{-6, 0.05f}, {-6, 0}, {-3.92f, 1}, {0, 30}};
 	static const float mean[MC_STATE_DIM] = {20, 30, -0.2f, 28, -5};
 
-	mc_preset_paper(req, 100, BATCH);
+	mc_preset_paper(req, 100, n);
 	req->flags = MC_WANT_HIST | MC_WANT_IMPACT;
 	req->n_futures = MC_FUTURES_MAX;
 	memcpy(req->future, futures, sizeof(futures));
@@ -216,7 +217,7 @@ static int run_batch(const struct checks *c, int i, uint32_t threads, const stru
 {
 	const struct mc_ops *ops = c->contender[i].ops;
 	struct mc_backend *b;
-	int error = open_contender(c, i, threads, &b);
+	int error = open_contender(c, i, threads, c->params.n_resident, &b);
 
 	if (error) {
 		return error;
@@ -254,10 +255,10 @@ int checks_batches(struct checks *c)
 	if (!batch) {
 		return -ENOMEM;
 	}
-	mc_preset_paper(&req, 100, BATCH);
+	mc_preset_paper(&req, 100, c->samples);
 	int error = compare_batches(c, &req, &batch[0], &batch[1]);
 
-	scene_full(&req);
+	scene_full(&req, c->samples);
 	error = error ? error : compare_batches(c, &req, &batch[0], &batch[1]);
 	free(batch);
 	return error;
@@ -281,7 +282,7 @@ static int true_headways(const struct checks *c, double headway_m[MC_RISKS])
 	if (error) {
 		return error;
 	}
-	mc_preset_paper(&req, 100, TRUTH);
+	mc_preset_paper(&req, 100, p.n_resident * TRUTH);
 	error = c->contender[0].ops->run(b, &req, cli_catch_interrupt(), &res);
 	memcpy(headway_m, res.headway_m, sizeof(res.headway_m));
 	c->contender[0].ops->close(b);
@@ -296,7 +297,7 @@ int checks_resident(struct checks *c)
 	struct mc_backend *b;
 	int error = true_headways(c, headway_m);
 
-	error = error ? error : open_contender(c, 0, 1, &b);
+	error = error ? error : open_contender(c, 0, 1, c->params.n_resident, &b);
 	if (error) {
 		return error;
 	}

@@ -45,7 +45,7 @@ extern const uint32_t checks_threads[];
  * 0, -EINTR with what was done so far once cli_interrupted(), -errno of a backend. Allocates. */
 int checks_rollouts(struct checks *c);
 
-/** checks_batches - whole batches through every contender, on the CPU with 1, 2 and 4 threads. 0 or -errno. */
+/** checks_batches - whole batches of @samples through every contender, on the CPU with 1, 2 and 4 threads. 0 or -errno. */
 int checks_batches(struct checks *c);
 
 /** checks_resident - the risk that the resident set gives at headways where a far larger set gives 5, 1 and 0.1 %, of

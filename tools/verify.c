@@ -48,7 +48,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case 'n':
 		return cli_count(st, "--samples", arg, 1, 1u << 30, &a->samples);
 	case KEY_RESIDENT:
-		return cli_count(st, "--resident", arg, 1, 1u << 24, &a->resident);
+		return cli_count(st, "--resident", arg, 1, 1u << 22, &a->resident);
 	case ARGP_KEY_ARG:
 		return cli_bad(st, "'%s': verify takes options alone", arg);
 	default:
@@ -227,9 +227,10 @@ static void print_words(const struct checks *c)
 	       c->params.n_resident, c->params.kind == MC_SOBOL ? "Sobol" : "Philox",
 	       (unsigned long long)c->params.seed);
 	for (int i = 0; i < MC_RISKS; i++) {
-		printf("  where the risk is %4.1f %% it says %.4f %%; its 95 %% interval is %.4f "
+		printf("  where the risk is %4.1f %% it says %s%.4f %%; its 95 %% interval is %.4f "
 		       ".. %.4f %%\n",
-		       mc_risk_level[i] * 100, c->set_p[i] * 100, c->set_lo[i] * 100,
+		       mc_risk_level[i] * 100, c->set_p[i] > 0 ? "" : "below ",
+		       (c->set_p[i] > 0 ? c->set_p[i] : c->set_hi[i]) * 100, c->set_lo[i] * 100,
 		       c->set_hi[i] * 100);
 	}
 	printf("%s%s\n", cli_interrupted() ? "Interrupted; so far: " : "",

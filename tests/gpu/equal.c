@@ -25,11 +25,12 @@ static uint32_t first_difference(const struct model_out *a, const struct model_o
 
 static void show(const char *who, const struct model_out *o)
 {
-	printf("# %s stop %a need %a impact %a flags %u\n", who, o->stop_m, o->need_m, o->impact_mps, o->flags);
+	printf("# %s stop %a need %a impact %a flags %u\n", who, o->stop_m, o->need_m,
+	       o->impact_mps, o->flags);
 }
 
-static void same_samples(const struct pair *p, const struct mc_request *req, enum mc_rollout which, uint64_t first,
-			 uint32_t count, const char *name)
+static void same_samples(const struct pair *p, const struct mc_request *req, enum mc_rollout which,
+			 uint64_t first, uint32_t count, const char *name)
 {
 	const uint32_t n = count * req->n_futures;
 	struct model_out *c = calloc(n, sizeof(*c)), *g = malloc(n * sizeof(*g));
@@ -40,8 +41,10 @@ static void same_samples(const struct pair *p, const struct mc_request *req, enu
 	cpu = mc_cpu_ops.samples(p->cpu, req, which, first, count, c);
 	gpu = mc_cuda_ops.samples(p->gpu, req, which, first, count, g);
 	i = first_difference(c, g, n);
-	tap_ok(!cpu && !gpu && i == n, "%s, %s rollout: %u samples x %u futures from %llu equal by memcmp", name,
-	       which == MC_FAST ? "fast" : "reference", count, req->n_futures, (unsigned long long)first);
+	tap_ok(!cpu && !gpu && i == n,
+	       "%s, %s rollout: %u samples x %u futures from %llu equal by memcmp", name,
+	       which == MC_FAST ? "fast" : "reference", count, req->n_futures,
+	       (unsigned long long)first);
 	if (i < n) {
 		printf("# errors %d %d, first difference at %u\n", cpu, gpu, i);
 		show("cpu", &c[i]);
@@ -60,14 +63,17 @@ static void same_batch(const struct pair *p, const struct mc_request *req, const
 	memset(&g, 0xff, sizeof(g));
 	cpu = mc_cpu_ops.run(p->cpu, req, NULL, &c);
 	gpu = mc_cuda_ops.run(p->gpu, req, NULL, &g);
-	tap_ok(!cpu && !gpu && !memcmp(&c, &g, sizeof(c)), "%s: result of %u samples equal by memcmp", name, req->n);
+	tap_ok(!cpu && !gpu && !memcmp(&c, &g, sizeof(c)),
+	       "%s: result of %u samples equal by memcmp", name, req->n);
 	if (cpu || gpu || memcmp(&c, &g, sizeof(c))) {
-		printf("# errors %d %d, hits %llu %llu, n %llu %llu, mean %a %a sd %a %a\n", cpu, gpu,
-		       (unsigned long long)c.risk[0].hits, (unsigned long long)g.risk[0].hits, (unsigned long long)c.n,
-		       (unsigned long long)g.n, c.stop_mean_m, g.stop_mean_m, c.stop_sd_m, g.stop_sd_m);
+		printf("# errors %d %d, hits %llu %llu, n %llu %llu, mean %a %a sd %a %a\n", cpu,
+		       gpu, (unsigned long long)c.risk[0].hits, (unsigned long long)g.risk[0].hits,
+		       (unsigned long long)c.n, (unsigned long long)g.n, c.stop_mean_m,
+		       g.stop_mean_m, c.stop_sd_m, g.stop_sd_m);
 	}
 	if (req->flags & MC_WANT_HIST) {
-		tap_ok(!memcmp(mc_cpu_ops.hist(p->cpu), mc_cuda_ops.hist(p->gpu), sizeof(struct mc_hist)),
+		tap_ok(!memcmp(mc_cpu_ops.hist(p->cpu), mc_cuda_ops.hist(p->gpu),
+			       sizeof(struct mc_hist)),
 		       "%s: histograms equal by memcmp", name);
 	}
 }
@@ -93,8 +99,8 @@ static void all_scenes(struct mc_params params, uint32_t n, uint32_t n_reference
 	if (!open_pair(&p, params)) {
 		return;
 	}
-	printf("# %s: %s against %s, %u threads\n", name, mc_cuda_ops.describe(p.gpu), mc_cpu_ops.describe(p.cpu),
-	       params.threads);
+	printf("# %s: %s against %s, %u threads\n", name, mc_cuda_ops.describe(p.gpu),
+	       mc_cpu_ops.describe(p.cpu), params.threads);
 	same_samples(&p, &standing, MC_FAST, 0, n, "standing lead");
 	same_samples(&p, &moving, MC_FAST, 0, n, "moving lead");
 	same_samples(&p, &moving, MC_FAST, n, BEYOND, "moving lead, drawn on the device");
@@ -120,8 +126,10 @@ int main(int argc, char **argv)
 	const uint32_t n = argc > 1 ? (uint32_t)atol(argv[1]) : 1u << 20;
 	const uint32_t n_reference = argc > 2 ? (uint32_t)atol(argv[2]) : n;
 	const long cpus = sysconf(_SC_NPROCESSORS_ONLN);
-	struct mc_params params = {
-		.kind = MC_SOBOL, .seed = 1, .n_resident = n, .threads = cpus < 64 ? (uint32_t)cpus : 64};
+	struct mc_params params = {.kind = MC_SOBOL,
+				   .seed = 1,
+				   .n_resident = n,
+				   .threads = cpus < 64 ? (uint32_t)cpus : 64};
 
 	all_scenes(params, n, n_reference, "sobol");
 	params.kind = MC_PHILOX;

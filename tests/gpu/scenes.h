@@ -22,8 +22,9 @@ static inline struct mc_request scene_moving(uint32_t n)
 {
 	struct mc_request r = scene_standing(n);
 	static const float mean[MC_STATE_DIM] = {20.0f, 30.0f, -0.2f, 28.0f, -5.0f};
-	static const float factor[MC_FACTOR_LEN] = {0.2f,   0.015f, 0.048f, 0.09f,  0.07f,  0.27f, 0.036f, 0.03f,
-						    0.02f,  0.11f,  0.18f,  0.14f,  0.1f,   0.1f,  0.53f};
+	static const float factor[MC_FACTOR_LEN] = {0.2f,  0.015f, 0.048f, 0.09f, 0.07f,
+						    0.27f, 0.036f, 0.03f,  0.02f, 0.11f,
+						    0.18f, 0.14f,  0.1f,   0.1f,  0.53f};
 	static const struct model_future future[MC_FUTURES_MAX] = {
 		{-9.0f, 0.0f}, {-9.0f, 0.05f}, {-4.0f, 1.2f}, {0.0f, 30.0f}};
 	static const struct mc_prior prior[MC_PRIORS_MAX] = {

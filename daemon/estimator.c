@@ -40,10 +40,7 @@ struct estimator {
 
 static int64_t limit_ns(const struct estimator *e, int message)
 {
-	const int64_t period = e->map->message[message].period_ns;
-	const int64_t radar = clock_s_to_ns(e->cfg->radar_period / 1000);
-
-	return e->cfg->bus_stale_periods * (period > 0 ? period : radar);
+	return e->cfg->bus_stale_periods * e->map->message[message].period_ns;
 }
 
 /* 1 if every message of the role brought a value within its limit. */
@@ -59,21 +56,17 @@ static int is_role_fresh(const struct estimator *e, enum map_role role, int64_t 
 	return r->n > 0;
 }
 
-/* A slot with a period must be heard even while others are: the lead may be in it. */
+/* Every slot must be heard even while others are: the lead may be in it. */
 static int is_radar_fresh(const struct estimator *e, int64_t now_ns)
 {
-	const int64_t radar_ns =
-		e->cfg->bus_stale_periods * clock_s_to_ns(e->cfg->radar_period / 1000);
-
 	for (int i = 0; i < e->map->n_tracks; i++) {
 		const int m = e->map->track[i].message;
 
-		if (e->map->message[m].period_ns > 0 &&
-		    now_ns - e->decode.message[m].t_ns > limit_ns(e, m)) {
+		if (now_ns - e->decode.message[m].t_ns > limit_ns(e, m)) {
 			return 0;
 		}
 	}
-	return e->scan > 0 && now_ns - e->scan_ns <= radar_ns;
+	return 1;
 }
 
 /* ---- ego speed ------------------------------------------------------------------------------ */
@@ -350,7 +343,6 @@ static void forget_times(struct estimator *e)
 			e->role[role].t_ns[i] = DECODE_NEVER;
 		}
 	}
-	e->scan_ns = DECODE_NEVER;
 }
 
 int estimator_open(const struct config *cfg, const struct mapping *map, struct estimator **ret)

@@ -449,9 +449,53 @@ static void the_scene_is_the_present(void **state)
 	estimator_scene(b.e, b.t_ns + 40 * MS, &s);
 	assert_true(fabs(s.x[SCENE_HEADWAY] - (b.gap_m + 5 * 0.05 - 5 * 0.115)) < 0.05);
 	assert_true(s.oldest_input_ns == 40 * MS);
+	/* the ego speed of this moment is in it, not that of the scan's */
+	assert_true(sqrt(s.cov[SCENE_EGO_SPEED][SCENE_EGO_SPEED]) < 0.06);
 	b.lead = 0; /* seen no more: the object coasts, its last sight grows old */
 	s = cycle(&b);
 	assert_true(s.lead_valid && s.oldest_input_ns == 50 * MS);
+	close_bench(&b);
+
+	/* a scan is as old as its first frame, the ego as its last */
+	open_bench(&b, "toyota-tss-p");
+	cycles(&b, 10);
+	for (int i = 0; i < 16; i++) {
+		const struct bus_frame f = make_slot(&b, i);
+
+		give(&b, &f);
+		b.t_ns += 1 * MS;
+	}
+	say_ego(&b);
+	assert_true(look_at(&b).oldest_input_ns == 16 * MS);
+	b.t_ns += 1 * MS;
+	say_ego(&b);
+	say_scan(&b);
+	b.t_ns += 20 * MS;
+	say_scan(&b);
+	assert_true(look_at(&b).oldest_input_ns == 20 * MS);
+	close_bench(&b);
+}
+
+static void a_lead_that_comes_to_a_stop_goes_on_braking(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "generic");
+	b.gap_m = 100;
+	cycles(&b, 20);
+	double lead_mps = 20;
+
+	while (lead_mps > 0.6) {
+		lead_mps -= 4 * 0.05;
+		b.rate_mps = lead_mps - 20;
+		b.gap_m = 100 + (lead_mps * lead_mps - 400) / -8 - (20 - lead_mps) / 4 * 20;
+		cycle(&b);
+	}
+	const struct scene s = look_at(&b);
+
+	assert_true(s.lead_valid && s.x[SCENE_LEAD_SPEED] < 0.5);
+	assert_true(s.x[SCENE_LEAD_ACCEL] < -2);
 	close_bench(&b);
 }
 
@@ -667,6 +711,7 @@ int main(void)
 		cmocka_unit_test(a_jump_that_stays_is_believed_after_a_fault),
 		cmocka_unit_test(hard_braking_is_plausible),
 		cmocka_unit_test(the_scene_is_the_present),
+		cmocka_unit_test(a_lead_that_comes_to_a_stop_goes_on_braking),
 		cmocka_unit_test(the_far_future_is_no_scene),
 		cmocka_unit_test(the_driver_is_heard),
 		cmocka_unit_test(a_curve_shows_in_the_lateral_offset),

@@ -39,8 +39,8 @@ void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s);
 /** estimator_rejected - counters by reason, [SCENE_REJECTS]; never reset. */
 const uint64_t *estimator_rejected(const struct estimator *e);
 
-/** estimator_distrust - forget everything queued before now: inputs count again after N fresh frames (clock step,
- * stall). */
+/** estimator_distrust - after a clock step or a stall: forget everything; of each message the E2E_START'th good frame is
+ * the first one used again. */
 void estimator_distrust(struct estimator *e);
 
 void estimator_close(struct estimator *e); /* NULL is fine */

@@ -437,6 +437,10 @@ static __global__ void __launch_bounds__(128) samples(struct cuda_samples_args a
 
 #include "mc_cuda_paper.cuh"
 
+#ifdef MC_CUDA_FAULTS
+#include "../tests/gpu/faults.cuh"
+#endif
+
 extern "C" const struct cuda_kernel_row cuda_kernel_table[CUDA_KERNELS] = {
 #define CUDA_KERNEL(id, name, function, block, shared) \
 	{name, (const void *)function, block, shared},

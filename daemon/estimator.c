@@ -18,6 +18,8 @@ struct role_value {
 	int64_t t_ns[MAP_SPEEDS_MAX];
 };
 
+#define BRAKE_PRESSED 1e-6 /* the brake pedal is a flag: anything above nothing */
+
 struct estimator {
 	const struct config *cfg;
 	const struct mapping *map;
@@ -286,9 +288,10 @@ static void predict(const struct estimator *e, const struct kalman *from, int64_
 	clamp_at_standstill(s->x);
 }
 
-static int pressed(const struct estimator *e, enum map_role role, int64_t now_ns)
+/* 1 from @least on, -1 unknown. */
+static int pressed(const struct estimator *e, enum map_role role, double least, int64_t now_ns)
 {
-	return is_role_fresh(e, role, now_ns) ? e->role[role].value != 0 : -1;
+	return is_role_fresh(e, role, now_ns) ? e->role[role].value >= least : -1;
 }
 
 static int64_t oldest_ns(const struct estimator *e, const struct tracker_object *lead,
@@ -315,8 +318,8 @@ void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s)
 		.scan_ns = e->scan_ns,
 		.scan = e->scan,
 		.fault = faults(e, now_ns),
-		.driver_brake = pressed(e, MAP_DRIVER_BRAKE, now_ns),
-		.driver_accel = pressed(e, MAP_DRIVER_ACCEL, now_ns),
+		.driver_brake = pressed(e, MAP_DRIVER_BRAKE, BRAKE_PRESSED, now_ns),
+		.driver_accel = pressed(e, MAP_DRIVER_ACCEL, e->cfg->driver_override, now_ns),
 	};
 	s->ego_valid = e->tracker.ego_valid && is_role_fresh(e, MAP_EGO_SPEED, now_ns);
 	if (!s->ego_valid) {

@@ -201,7 +201,7 @@ static void on_tick(struct pipeline *p)
 	const uint64_t misses = (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
 
 	p->stats.period_miss += misses;
-	if (misses) {
+	if (misses && p->in.state < STATE_INIT) {
 		pipeline_event(p, RECORDER_MISS);
 	}
 	p->tick_ns += (absent + 1) * p->period_ns;

@@ -100,10 +100,12 @@ uint64_t recorder_result_hash(const struct mc_result *res)
 void recorder_evaluation(struct recorder *r, int64_t t_ns, const struct mc_request *req,
 			 const struct mc_result *res)
 {
-	const struct evaluation e = {
-		.t_ns = t_ns, .result_hash = recorder_result_hash(res), .req = *req};
+	struct evaluation e = {.t_ns = t_ns, .result_hash = recorder_result_hash(res), .req = *req};
 
-	ring_put(r->evaluations, &e);
+	e.req.n = (uint32_t)res->n; /* a batch that was cut is the one of fewer samples */
+	if (e.req.n) {
+		ring_put(r->evaluations, &e);
+	}
 }
 
 void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns)

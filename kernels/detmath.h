@@ -64,7 +64,8 @@ HD float det_float(uint32_t u)
  */
 HD float det_expf(float x)
 {
-	const float magic = 12582912.0f; /* 1.5 * 2^23: adding it rounds to an integer kept in the low bits */
+	const float magic =
+		12582912.0f; /* 1.5 * 2^23: adding it rounds to an integer kept in the low bits */
 	float t = det_fmaf(x, 1.44269504f, magic);
 	float r = det_fmaf(t - magic, -0.693147181f, x);
 	float p = 1.38253566e-3f;
@@ -85,7 +86,8 @@ HD float det_expf(float x)
  */
 HD float det_logf(float x)
 {
-	uint32_t u = det_bits(x) - 0x3f3504f3u; /* sqrt(1/2): the mantissa kept lies in [sqrt(1/2), sqrt(2)) */
+	uint32_t u = det_bits(x) -
+		     0x3f3504f3u; /* sqrt(1/2): the mantissa kept lies in [sqrt(1/2), sqrt(2)) */
 	float e = (float)((int32_t)u >> 23);
 	float f = det_float((u & 0x7fffffu) + 0x3f3504f3u) - 1.0f;
 	float f2 = f * f;

@@ -531,7 +531,10 @@ static void the_driver_is_heard(void **state)
 	assert_true(s.driver_brake == 1 && s.driver_accel == 0);
 	assert_true(fabs(s.yaw_rate_radps - 0.1) < 1e-3);
 	b.value[MAP_DRIVER_BRAKE] = 0;
-	b.value[MAP_DRIVER_ACCEL] = 40;
+	b.value[MAP_DRIVER_ACCEL] = 0.4; /* of its travel: following, not overriding */
+	s = cycle(&b);
+	assert_true(s.driver_brake == 0 && s.driver_accel == 0);
+	b.value[MAP_DRIVER_ACCEL] = 0.95;
 	s = cycle(&b);
 	assert_true(s.driver_brake == 0 && s.driver_accel == 1);
 	b.roles = 1u << MAP_EGO_SPEED; /* the rest is not available, which is no fault */

@@ -203,7 +203,8 @@ static void test_requests_read_back(void **state)
 	mc_preset_paper(&want, 100.0f, 16);
 	want.id = 7;
 	assert_int_equal(recorder_parse(line, &req, &hash), 0);
-	assert_memory_equal(&req, &want, sizeof(req));
+	assert_int_equal(req.id, want.id);
+	assert_true(mc_request_hash(&req) == mc_request_hash(&want));
 
 	const struct mc_result res = {
 		.n = 16, .n_futures = 1, .risk = {{.hits = 7, .lo = 0.25, .hi = 0.5}}};

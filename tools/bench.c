@@ -203,25 +203,36 @@ static int run_one(struct bench *b, enum timed which)
 	}
 }
 
+static int measure_round(struct bench *b, uint32_t n, uint32_t round)
+{
+	for (int i = 0; i < TIMED; i++) {
+		int64_t start_ns = clock_now_ns();
+		int error = run_one(b, (enum timed)i);
+		int64_t took_ns = clock_now_ns() - start_ns;
+
+		if (error) {
+			return error;
+		}
+		b->ns[i][round] = (double)took_ns / (i >= PAPER ? n : REF_SAMPLES);
+	}
+	return 0;
+}
+
+/* On Ctrl-C fewer rounds than asked for, but one at least. */
 static int measure(struct bench *b, uint32_t n)
 {
 	struct progress line = progress_start("bench");
+	uint32_t done = 0;
+	int error = 0;
 
-	for (uint32_t round = 0; round < b->rounds && !cli_interrupted(); round++) {
-		for (int i = 0; i < TIMED; i++) {
-			int64_t start_ns = clock_now_ns();
-			int error = run_one(b, (enum timed)i);
-			int64_t took_ns = clock_now_ns() - start_ns;
-
-			if (error) {
-				return error;
-			}
-			b->ns[i][round] = (double)took_ns / (i >= PAPER ? n : REF_SAMPLES);
-		}
-		progress_update(&line, (double)round / b->rounds, "");
+	while (!error && done < b->rounds && !(done && cli_interrupted())) {
+		error = measure_round(b, n, done);
+		done += !error;
+		progress_update(&line, (double)done / b->rounds, "");
 	}
 	progress_clear(&line);
-	return cli_interrupted() ? -EINTR : 0;
+	b->rounds = done;
+	return error;
 }
 
 static int ascending(const void *a, const void *b)
@@ -273,6 +284,7 @@ static void write_json(const struct args *a, const struct bench *b)
 	json_num(&j, "reference_to_plain_loop", b->ns[REFERENCE][0] / b->ns[PLAIN][0]);
 	json_num(&j, "plain_loop_dev_m", plain_dev_m(b));
 	json_num(&j, "p_moving", b->p_moving);
+	json_bool(&j, "interrupted", cli_interrupted());
 	json_close(&j, '}');
 }
 
@@ -307,8 +319,7 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 	cli_catch_interrupt();
 	error = error ? error : measure(b, (uint32_t)a->samples);
 	if (error) {
-		return cli_error(CLI_FAILED, name, "%s",
-				 error == -EINTR ? "interrupted" : strerror(-error));
+		return cli_error(CLI_FAILED, name, "%s", strerror(-error));
 	}
 	sort_all(b);
 	if (a->compute.json) {
@@ -316,7 +327,7 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 	} else {
 		print_words(a, b);
 	}
-	return CLI_GOOD;
+	return cli_interrupted() ? cli_error(CLI_FAILED, name, "interrupted") : CLI_GOOD;
 }
 
 int cmd_bench(int argc, char **argv)

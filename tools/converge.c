@@ -73,22 +73,23 @@ static struct row row_of(const struct mc_result *res, const struct mc_hist *hist
 			    sqrt((m4 - var * var) / n) / (2 * sd)};
 }
 
-static int compute(const struct mc_ops *ops, struct mc_backend *b, struct row rows[ROWS])
+/* Fills @rows; *@done is smaller than ROWS after Ctrl-C. */
+static int compute(const struct mc_ops *ops, struct mc_backend *b, struct row rows[ROWS],
+		   size_t *done)
 {
 	const uint64_t *cut = cli_catch_interrupt();
 
-	for (size_t i = 0; i < ROWS; i++) {
+	for (*done = 0; *done < ROWS; ++*done) {
 		struct mc_request req;
 		struct mc_result res;
 
-		mc_preset_paper(&req, 100, paper_table[i].n);
-		req.flags |= MC_WANT_HIST;
+		mc_preset_paper(&req, 100, paper_table[*done].n);
 		int error = ops->run(b, &req, cut, &res);
 
 		if (error || (res.flags & MC_RES_CUT)) {
-			return error ? error : -EINTR;
+			return error;
 		}
-		rows[i] = row_of(&res, ops->hist(b));
+		rows[*done] = row_of(&res, ops->hist(b));
 	}
 	return 0;
 }
@@ -99,14 +100,15 @@ static double z_of(double ours, double paper, double se)
 	return (ours - paper) / (sqrt(2) * se);
 }
 
-static void write_json(const struct compute_args *a, const char *variant, const struct row *rows)
+static void write_json(const struct compute_args *a, const char *variant, const struct row *rows,
+		       size_t n)
 {
 	struct json j = json_start(stdout);
 
 	json_head(&j, "converge");
 	compute_json(&j, a, variant);
 	json_open(&j, "rows", '[');
-	for (size_t i = 0; i < ROWS; i++) {
+	for (size_t i = 0; i < n; i++) {
 		const struct paper_row *p = &paper_table[i];
 		const struct row *r = &rows[i];
 
@@ -123,10 +125,12 @@ static void write_json(const struct compute_args *a, const char *variant, const 
 		json_close(&j, '}');
 	}
 	json_close(&j, ']');
+	json_bool(&j, "interrupted", cli_interrupted());
 	json_close(&j, '}');
 }
 
-static void print_words(const struct compute_args *a, const char *variant, const struct row *rows)
+static void print_words(const struct compute_args *a, const char *variant, const struct row *rows,
+			size_t n)
 {
 	printf("Table I of the paper beside ours; %s draws, seed %llu, %s. se: standard error;\n"
 	       "z: the difference in units of its standard error (both sides have one).\n\n"
@@ -134,7 +138,7 @@ static void print_words(const struct compute_args *a, const char *variant, const
 	       "      N   paper    ours      se      z        paper    ours      se      z\n",
 	       a->params.kind == MC_SOBOL ? "Sobol" : "Philox", (unsigned long long)a->params.seed,
 	       variant);
-	for (size_t i = 0; i < ROWS; i++) {
+	for (size_t i = 0; i < n; i++) {
 		const struct paper_row *p = &paper_table[i];
 		const struct row *r = &rows[i];
 
@@ -160,15 +164,18 @@ int cmd_converge(int argc, char **argv)
 	if (code) {
 		return code;
 	}
-	int error = compute(ops, b, rows);
+	size_t done;
+	int error = compute(ops, b, rows, &done);
 
 	if (error) {
-		code = cli_error(CLI_FAILED, name, "%s",
-				 error == -EINTR ? "interrupted" : strerror(-error));
+		code = cli_error(CLI_FAILED, name, "%s", strerror(-error));
 	} else if (a.json) {
-		write_json(&a, ops->describe(b), rows);
+		write_json(&a, ops->describe(b), rows, done);
 	} else {
-		print_words(&a, ops->describe(b), rows);
+		print_words(&a, ops->describe(b), rows, done);
+	}
+	if (!error && done < ROWS) {
+		code = cli_error(CLI_FAILED, name, "interrupted");
 	}
 	ops->close(b);
 	return code;

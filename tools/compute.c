@@ -129,8 +129,9 @@ static int refused(const char *name, const char *backend, int error)
 	case -ENOTSUP:
 		return cli_error(CLI_SKIPPED, name, "backend %s is not built into this binary",
 				 backend);
+	case -ENOSYS:
 	case -ENODEV:
-		return cli_error(CLI_SKIPPED, name, "backend %s finds no device", backend);
+		return cli_error(CLI_SKIPPED, name, "backend %s finds no device, or no driver", backend);
 	default:
 		return cli_error(CLI_FAILED, name, "cannot open backend %s: %s", backend,
 				 strerror(-error));

@@ -91,6 +91,11 @@ $(O)/kernels/mc_cuda.cu.o: kernels/mc_cuda.cu tools/ptxas-report $(O)/flags
 	$(Q)mkdir -p $(@D) && $(NVCC) $(NVCC_FLAGS) $(foreach m,$(CUDA_SM),-gencode arch=compute_$m,code=sm_$m) -Xptxas -v \
 		-MMD -MP -MF $(@:.o=.d) -c -o $@ $< 2>$@.log || { cat $@.log; exit 1; }
 	$(Q)tools/ptxas-report $@.log || { rm -f $@; exit 1; }
+# The same with kernels that do wrong on purpose; for tests/gpu/faults.c alone.
+$(O)/kernels/mc_cuda_faults.cu.o: kernels/mc_cuda.cu tests/gpu/faults.cuh $(O)/flags
+	$(call say,NVCC,$@)
+	$(Q)mkdir -p $(@D) && $(NVCC) $(NVCC_FLAGS) $(foreach m,$(CUDA_SM),-gencode arch=compute_$m,code=sm_$m) \
+		-DMC_CUDA_FAULTS -MMD -MP -MF $(@:.o=.d) -c -o $@ $<
 
 obj        = $(patsubst %.c,$(O)/%.o,$(1))
 LANE_OBJ   := $(foreach v,$(LANES),$(O)/kernels/lanes_$(v).o)
@@ -137,6 +142,16 @@ SCRIPTS    := $(sort $(filter-out tests/tap.sh,$(wildcard tests/*.sh)))
 $(O)/tests/%: $(O)/tests/%.o $(LIBD) $(LIBMC)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ -lcmocka $(LDLIBS)
+
+# On a machine with a GPU: everything about the CUDA backend, with gcc, make and nvcc alone. Log: $(O)/gpu/record.txt.
+GPU_TESTS := $(patsubst tests/gpu/%.c,$(O)/tests/gpu/%,$(wildcard tests/gpu/*.c))
+$(O)/tests/gpu/faults: $(O)/kernels/mc_cuda_faults.cu.o
+$(O)/tests/gpu/%: $(O)/tests/gpu/%.o $(LIBD) $(LIBMC)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
+.PHONY: check-gpu
+check-gpu: all $(GPU_TESTS)
+	$(Q)O=$(O) NVCC='$(NVCC)' NVCC_FLAGS='$(NVCC_FLAGS)' tests/gpu/check.sh
 
 .PHONY: check check-unit check-san check-clang check-arm64 check-system tests
 tests: $(TESTS)

@@ -3,7 +3,6 @@
  * the mailbox, with a worker that spins and one that sleeps. Prints figures; only a wrong result fails.
  * Usage: latency [COUNT [load]]; with load, a second process keeps the device busy.
  */
-#define _GNU_SOURCE
 #include "mc_ops.h"
 #include "tap.h"
 #include "scenes.h"

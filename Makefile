@@ -211,6 +211,10 @@ demo: deps-build all
 	$(Q)mkdir -p $(O)/demo
 	$(Q)$(O)/aebmc generate --drive brake --out $(O)/demo/brake.log
 	$(Q)$(O)/aebmc replay --config can-dbc/vehicles/generic.conf --out $(O)/demo/out.log $(O)/demo/brake.log
+	@echo
+	@echo 'The drive as CAN frames: $(O)/demo/brake.log; what the daemon would send: $(O)/demo/out.log. In words:'
+	@echo '  $(O)/aebmc decode --config can-dbc/vehicles/generic.conf $(O)/demo/out.log | less'
+	@echo 'Other drives: $(O)/aebmc generate --list. Your own log: README.md, "Your own log".'
 
 # ---- what --version says ---------------------------------------------------------------------------
 # A tarball of `make dist` carries the commit in the file .commit.

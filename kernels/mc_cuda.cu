@@ -7,8 +7,8 @@
 #include "mc_ops.h"
 #include "tally.h"
 
-#define BATCH_BLOCK  128
-#define BATCH_PER_SM 6
+#define BATCH_BLOCK  256
+#define BATCH_PER_SM 3
 #define HIST_BLOCK   768
 #define HIST_PER_SM  1
 #define HIST_STAGGER 96
@@ -170,7 +170,9 @@ static __device__ void roll(const struct cuda_args *a, struct block_memory *s,
 			    uint32_t rank)
 {
 	const uint32_t me = threadIdx.x, lane = me % 32;
-	uint32_t base = s->step ? rank * blockDim.x + me - lane : s->count, pooled = 0;
+	/* neighbouring warps of a block take samples far apart: the last round is shared by all blocks */
+	uint32_t base = s->step ? (me / 32 * (s->step / blockDim.x) + rank) * 32 : s->count,
+		 pooled = 0;
 
 	while (base < s->count || pooled) {
 		const bool again = pooled >= 32 || base >= s->count;

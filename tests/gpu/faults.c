@@ -124,9 +124,10 @@ static int mailbox(void)
 	int err = cudaDeviceGetAttribute(&threads, cudaDevAttrMaxThreadsPerMultiProcessor, 0);
 
 	err = err ? err
-		  : (int)cudaLaunchKernel(cuda_fault_hang,
-				     (dim3){(unsigned int)(p.gpu->info.sms * threads / 512), 1, 1},
-				     (dim3){512, 1, 1}, args, 0, p.gpu->stream);
+		  : (int)cudaLaunchKernel(
+			    cuda_fault_hang,
+			    (dim3){(unsigned int)(p.gpu->info.sms * threads / 512), 1, 1},
+			    (dim3){512, 1, 1}, args, 0, p.gpu->stream);
 	tap_ok(!err && mc_submit(mc, &p.req) == 0, "mailbox: submitted behind a hang");
 	for (int i = 0; i < 200 && !got; i++) {
 		poll(NULL, 0, 1);

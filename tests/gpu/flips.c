@@ -96,13 +96,20 @@ static int chunk(struct fixture *f, enum place place)
 	return broken ? -EIO : verify(b, &f->job);
 }
 
+/* Bins outside lo..hi count as empty, whatever stands there. */
+static uint32_t bin(const struct cuda_out *o, const uint32_t *h, uint32_t i)
+{
+	return i >= o->lo && i < o->hi ? h[i] : 0;
+}
+
 static int is_right(const struct fixture *f)
 {
 	const struct cuda_out *a = f->b->out, *r = f->right;
-	int same = !memcmp(a->sum, r->sum, sizeof(a->sum)) && a->lo == r->lo && a->hi == r->hi;
+	int same = !memcmp(a->sum, r->sum, sizeof(a->sum));
 
-	for (uint32_t i = r->lo; i < r->hi && same; i++) {
-		same = a->stop[i] == r->stop[i] && a->need[i] == r->need[i];
+	for (uint32_t i = 0; i < MC_HIST_BINS && same; i++) {
+		same = bin(a, a->stop, i) == bin(r, r->stop, i) &&
+		       bin(a, a->need, i) == bin(r, r->need, i);
 	}
 	return same;
 }

@@ -71,10 +71,10 @@ TEST_SRC   := $(wildcard tests/test_*.c)
 WITH_CUDA   ?= auto
 NVCC        := $(firstword $(shell command -v nvcc 2>/dev/null) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_ROOT   := $(patsubst %/bin/nvcc,%,$(realpath $(NVCC)))
-CUDA_FOUND  := $(if $(filter $(ARCH),$(shell uname -m)),$(if $(wildcard $(CUDA_ROOT)/lib64/libcudart_static.a),$(NVCC)))
+CUDA_FOUND  := $(and $(filter $(ARCH),$(shell uname -m)),$(wildcard $(CUDA_ROOT)/lib64/libcudart_static.a),$(shell command -v g++),$(NVCC))
 HAVE_CUDA   := $(if $(filter no,$(WITH_CUDA)),,$(CUDA_FOUND))
 ifeq ($(WITH_CUDA)-$(HAVE_CUDA),yes-)
-$(error WITH_CUDA=yes, but no nvcc on PATH or in /usr/local/cuda/bin for $(ARCH))
+$(error WITH_CUDA=yes, but no nvcc on PATH or in /usr/local/cuda/bin, or no g++, for $(ARCH))
 endif
 CUDA_SRC    := kernels/cuda_calls.c $(wildcard kernels/mc_cuda*.c)
 CUDA_NONE   := kernels/mc_cuda_none.c
@@ -91,6 +91,7 @@ $(O)/kernels/mc_cuda.cu.o: kernels/mc_cuda.cu tools/ptxas-report $(O)/flags
 	$(Q)mkdir -p $(@D) && $(NVCC) $(NVCC_FLAGS) $(foreach m,$(CUDA_SM),-gencode arch=compute_$m,code=sm_$m) -Xptxas -v \
 		-MMD -MP -MF $(@:.o=.d) -c -o $@ $< 2>$@.log || { cat $@.log; exit 1; }
 	$(Q)tools/ptxas-report $@.log || { rm -f $@; exit 1; }
+	$(Q)printf '%s="%s"\n' NVCC '$(NVCC)' NVCC_FLAGS '$(NVCC_FLAGS)' CUDA_ROOT '$(CUDA_ROOT)' >$(O)/cuda.env
 # The same with kernels that do wrong on purpose; for tests/gpu/faults.c alone.
 $(O)/kernels/mc_cuda_faults.cu.o: kernels/mc_cuda.cu tests/gpu/faults.cuh $(O)/flags
 	$(call say,NVCC,$@)
@@ -151,7 +152,7 @@ $(O)/tests/gpu/%: $(O)/tests/gpu/%.o $(LIBD) $(LIBMC)
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LDLIBS)
 .PHONY: check-gpu
 check-gpu: all $(GPU_TESTS)
-	$(Q)O=$(O) NVCC='$(NVCC)' NVCC_FLAGS='$(NVCC_FLAGS)' tests/gpu/check.sh
+	$(Q)O=$(O) tests/gpu/check.sh
 
 .PHONY: check check-unit check-san check-clang check-arm64 check-system tests
 tests: $(TESTS)
@@ -176,7 +177,8 @@ check-clang: deps-check
 ARM := aarch64-linux-gnu
 check-arm64: deps-arm64 all
 	$(Q)$(SUB) O=build/arm64 CC=$(ARM)-gcc CROSS=$(ARM)- WRAP='qemu-aarch64-static' check-unit
-	$(Q)O=build/arm64 HOST_O=$(O) tests/run $(RUN_FLAGS) --log build/arm64/log tests/arm64/same_bits.sh
+	$(Q)O=build/arm64 HOST_O=$(O) tests/run $(RUN_FLAGS) --log build/arm64/log tests/arm64/same_bits.sh \
+		$(if $(HAVE_CUDA),tests/arm64/cuda.sh)
 
 # The live daemon as a service in a virtual machine with a PREEMPT_RT kernel (tests/system/).
 check-system: deps-system all
@@ -184,12 +186,12 @@ check-system: deps-system all
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --jobs 1 --log $(O)/log tests/system/behaviour.sh
 
 # ---- packages ------------------------------------------------------------------------------------
-# Debian packages by apt; PyPI only for the test oracle cantools. As root they are installed, otherwise named.
+# Debian packages by apt; PyPI only for test oracles. As root they are installed, otherwise named.
 DEPS_BUILD  := gcc libc6-dev make
 DEPS_CHECK  := $(DEPS_BUILD) clang clang-format python3 python3-venv python3-mpmath libcmocka-dev xz-utils shellcheck \
 	       systemd scdoc libsystemd-dev libsocketcan-dev
 ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev
-DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)
+DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)
 DEPS_SYSTEM := $(DEPS_CHECK) mmdebstrap qemu-system-x86 qemu-utils busybox-static e2fsprogs kmod cpio
 VENV       := build/venv
 .PHONY: deps deps-build deps-check deps-arm64 deps-system
@@ -201,6 +203,9 @@ deps-check:
 	$(Q)test -x $(VENV)/bin/python || python3 -m venv $(VENV)
 	$(Q)$(VENV)/bin/python -c 'import cantools' 2>/dev/null || $(VENV)/bin/pip install -q cantools || \
 	echo 'cantools could not be installed from PyPI: its tests will be skipped'
+	$(Q)test -z '$(HAVE_CUDA)' || test -d $(VENV)/lib/python3*/site-packages/nvidia/cuda_runtime || \
+	$(VENV)/bin/pip install -q nvidia-cuda-runtime-cu12==12.6.77 || \
+	echo 'the CUDA 12.6 runtime could not be installed from PyPI: its test will be skipped'
 deps-arm64: deps-check
 	$(Q)tools/deps $(DEPS_ARM64)
 deps-system: deps-check

@@ -102,7 +102,13 @@ static void test_socketpair_carries_frames_and_stamps(void **state)
 	reset(&rx, 1);
 	inject.armed = 0;
 	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET, 0, fd), 0);
-	assert_int_equal(setsockopt(fd[1], SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on)), 0);
+	if (setsockopt(fd[1], SOL_SOCKET, SO_TIMESTAMPNS, &on, sizeof(on))) {
+		assert_int_equal(errno, ENOPROTOOPT);
+		print_message("# needs native: user-mode emulation has no receive stamps\n");
+		close(fd[0]);
+		close(fd[1]);
+		skip();
+	}
 	assert_int_equal(bus_rx_read(&rx, fd[1], 2, f, 4), 0); /* nothing there: no error */
 	const int64_t before = clock_now_ns();
 	assert_int_equal(bus_rx_write(fd[0], &out), 0);

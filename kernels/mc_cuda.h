@@ -32,12 +32,13 @@ struct mc_cuda_time {
 	double total_ns;  /* the same with copies, where the rung has them */
 };
 
-/** mc_cuda_info - what device the backend runs on. -ENOTSUP for another backend. */
-int mc_cuda_info(const struct mc_backend *b, struct mc_cuda_info *ret);
+/** mc_cuda_info - the device that the backend would run on. Blocks while the driver starts. 0 or -errno (mc_ops.h). */
+int mc_cuda_info(struct mc_cuda_info *ret);
 
 /**
  * mc_cuda_time - timed executions, one after the other; not for the daemon
- * @req:  at most as many samples as resident draws (FAST: any); PAPER and REFERENCE take its first future
+ * @req:  for REFERENCE at most as many samples as resident draws; PAPER takes those again and again; both take the first
+ *         future alone
  * @dt_s: step of PAPER and REFERENCE
  * @ret:  [repeats]
  * Allocates and frees. 0, -EINVAL, or -errno as in mc_ops.h.

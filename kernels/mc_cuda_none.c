@@ -16,9 +16,8 @@ static void none_close(struct mc_backend *b)
 	(void)b;
 }
 
-int mc_cuda_info(const struct mc_backend *b, struct mc_cuda_info *ret)
+int mc_cuda_info(struct mc_cuda_info *ret)
 {
-	(void)b;
 	(void)ret;
 	return -ENOTSUP;
 }

@@ -10,7 +10,7 @@
 
 /* ---- device ---------------------------------------------------------------------------------------- */
 
-static int setup_device(struct mc_cuda_info *info)
+int mc_cuda_info(struct mc_cuda_info *info)
 {
 	struct cudaDeviceProp prop;
 	int devices = 0;
@@ -201,7 +201,7 @@ static int capture(struct mc_backend *b, enum cuda_kernel k)
 
 int mc_cuda_setup(struct mc_backend *b, const struct mc_params *p)
 {
-	int err = setup_device(&b->info);
+	int err = mc_cuda_info(&b->info);
 
 	for (int k = 0; k < CUDA_KERNELS && !err; k++) {
 		err = setup_kernel(b, (enum cuda_kernel)k);

@@ -131,7 +131,7 @@ static void paper_samples(const struct mc_backend *b, const struct mc_request *r
 	for (uint32_t i = 0; i < req->n; i++) {
 		float in[MODEL_INPUTS];
 
-		sample_draw(&plan, z + i, stride, in, 1);
+		sample_draw(&plan, z + i % b->n_resident, stride, in, 1);
 		v0[i] = in[MODEL_EGO_SPEED];
 		param[i] = (struct cuda_paper_sample){in[MODEL_MU], in[MODEL_GRADE], in[MODEL_MASS],
 						      in[MODEL_DRAG], in[MODEL_TAU]};
@@ -261,18 +261,11 @@ static int time_fast(struct mc_backend *b, const struct mc_request *req, uint32_
 	return err ? err : close_err;
 }
 
-int mc_cuda_info(const struct mc_backend *b, struct mc_cuda_info *ret)
-{
-	*ret = b->info;
-	return 0;
-}
-
 int mc_cuda_time(struct mc_backend *b, enum mc_cuda_rung rung, const struct mc_request *req,
 		 double dt_s, uint32_t repeats, struct mc_cuda_time *ret)
 {
-	const int resident = rung == MC_CUDA_PAPER || rung == MC_CUDA_REFERENCE;
-
-	if (mc_check(req) || !(dt_s > 0.0) || (resident && req->n > b->n_resident)) {
+	if (mc_check(req) || !(dt_s > 0.0) ||
+	    (rung == MC_CUDA_REFERENCE && req->n > b->n_resident)) {
 		return -EINVAL;
 	}
 	switch (rung) {

@@ -165,7 +165,7 @@ static void test_bad_requests(void **state)
 	struct mc_result res;
 
 	(void)state;
-	assert_int_equal(mc_cuda_time(b, MC_CUDA_PAPER, &req, 1e-3, 1, &t),
+	assert_int_equal(mc_cuda_time(b, MC_CUDA_REFERENCE, &req, 1e-3, 1, &t),
 			 -EINVAL); /* beyond the resident draws */
 	assert_int_equal(mc_cuda_time(b, MC_CUDA_PEAK, &req, 0.0, 1, &t), -EINVAL);
 	assert_int_equal(mc_cuda_time(b, MC_CUDA_RUNGS, &req, 1e-3, 1, &t), -EINVAL);

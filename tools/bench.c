@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 #include "compute.h"
+#include "bench_cuda.h"
+#include "bench_scene.h"
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
-#include "pipeline.h"
 #include "plain.h"
 #include "progress.h"
 #include "sample.h"
@@ -93,51 +94,12 @@ static const struct argp argp = {options,
 
 /* ---- the scenes -------------------------------------------------------------------------------- */
 
-/* The paper's scene (Sec. IV) with every input that it has drawn: headway and tau too. */
-static void scene_paper(struct mc_request *req, uint32_t n)
-{
-	mc_preset_paper(req, 100, n);
-	req->factor[0] = 0.25f;
-	req->sigma[MODEL_TAU - MC_STATE_DIM] = 0.01f;
-}
-
-/* What the daemon submits at the paper's 30 m/s, 20 m behind a lead that brakes at 5 m/s2: all eleven inputs are drawn,
- * the five of the state with the correlations that a tracking filter leaves. */
-static int scene_futures(struct mc_request *req, uint32_t n)
-{
-	static const double sigma[SCENE_DIM] = {0.2, 0.05, 0.3, 0.12, 0.6};
-	struct scene s = {.ego_valid = 1,
-			  .lead_valid = 1,
-			  .existence = 1,
-			  .lead_scans = 100,
-			  .x = {20, 30, -0.2, 28, -5}};
-	struct config cfg;
-
-	for (int i = 0; i < SCENE_DIM; i++) {
-		for (int k = 0; k < SCENE_DIM; k++) {
-			s.cov[i][k] = sigma[i] * sigma[k] * (i == k ? 1 : 0.3);
-		}
-	}
-	config_defaults(&cfg);
-	cfg.brake_tau_sigma = 0.01;
-	cfg.brake_delay_sigma = 0.02;
-	int error = pipeline_request(&cfg, &s, 1, req);
-
-	req->n = n;
-	req->flags |= MC_WANT_HIST | MC_WANT_IMPACT;
-	return error;
-}
-
 static int scenes(struct bench *b, uint32_t n)
 {
-	int error = scene_futures(&b->futures, n);
+	bench_scene_paper(&b->paper, n);
+	int error = bench_scene_futures(&b->futures, n);
 
-	scene_paper(&b->paper, n);
-	b->moving = b->futures;
-	b->moving.n_futures = 1;
-	b->moving.hist_future = 0;
-	b->moving.future[0] = b->futures.future[FUTURE_NOW];
-	return error;
+	return error ? error : bench_scene_moving(&b->moving, n);
 }
 
 /* The inputs of the paper scene's first samples, for the plain loop. */
@@ -339,6 +301,9 @@ int cmd_bench(int argc, char **argv)
 	a.compute.params.threads = 1;
 	int code = cli_parse(&argp, argc, argv, &a);
 
+	if (!code && !strcmp(a.compute.backend, "cuda")) {
+		return bench_cuda(name, &a.compute);
+	}
 	a.compute.params.n_resident = (uint32_t)(a.samples > REF_SAMPLES ? a.samples : REF_SAMPLES);
 	code = code ? code : compute_open(name, &a.compute, &b.ops, &b.b);
 	if (code) {

@@ -125,17 +125,22 @@ static int check_variant(const char *name, const char *variant)
 
 static int refused(const char *name, const char *backend, int error)
 {
-	switch (error) {
-	case -ENOTSUP:
-		return cli_error(CLI_SKIPPED, name, "backend %s is not built into this binary",
-				 backend);
-	case -ENOSYS:
-	case -ENODEV:
-		return cli_error(CLI_SKIPPED, name, "backend %s finds no device, or no driver", backend);
-	default:
-		return cli_error(CLI_FAILED, name, "cannot open backend %s: %s", backend,
-				 strerror(-error));
+	static const struct {
+		int error, code;
+		const char *words;
+	} row[] = {
+		{-ENOTSUP, CLI_SKIPPED, "is not built into this binary"},
+		{-ENOSYS, CLI_SKIPPED, "finds no driver, or one too old"},
+		{-ENODEV, CLI_SKIPPED, "finds no device"},
+		{-ENOEXEC, CLI_SKIPPED, "has no machine code for this device"},
+	};
+
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		if (row[i].error == error) {
+			return cli_error(row[i].code, name, "backend %s %s", backend, row[i].words);
+		}
 	}
+	return cli_error(CLI_FAILED, name, "cannot open backend %s: %s", backend, strerror(-error));
 }
 
 int compute_open(const char *name, const struct compute_args *a, const struct mc_ops **ops,

@@ -88,14 +88,14 @@ static int64_t read_control(struct bus_rx *rx, struct msghdr *h, uint8_t iface)
 	return stamp;
 }
 
-static void error_frame(struct bus_rx *rx, const struct canfd_frame *c)
+static void error_frame(struct bus_rx *rx, uint8_t iface, const struct canfd_frame *c)
 {
 	rx->stats.error_frames++;
 	if (c->can_id & CAN_ERR_BUSOFF) {
-		rx->lasting |= BUS_EV_OFF;
+		rx->off |= 1u << iface;
 	}
 	if (c->can_id & CAN_ERR_RESTARTED) {
-		rx->lasting &= ~BUS_EV_OFF;
+		rx->off &= ~(1u << iface);
 	}
 	if (c->can_id & CAN_ERR_CRTL &&
 	    c->data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) {
@@ -161,9 +161,10 @@ static int message(struct bus_rx *rx, struct slot *s, struct mmsghdr *m, uint8_t
 		return 0;
 	}
 	if (c->can_id & CAN_ERR_FLAG) {
-		error_frame(rx, c);
+		error_frame(rx, iface, c);
 		return 0;
 	}
+	rx->off &= ~(1u << iface); /* a controller that is off carries nothing */
 	t_ns = time_of(rx, now, stamp);
 	if (!is_input(rx, c, m->msg_hdr.msg_flags, iface, t_ns)) {
 		return 0;
@@ -193,10 +194,12 @@ int bus_rx_read(struct bus_rx *rx, int fd, uint8_t iface, struct bus_frame *f, i
 		msg[i].msg_hdr.msg_control = &slot[i].control;
 		msg[i].msg_hdr.msg_controllen = sizeof(slot[i].control);
 	}
+	rx->taken = 0;
 	n = recvmmsg(fd, msg, (unsigned)want, MSG_DONTWAIT, NULL);
 	if (n < 0) {
 		return errno == EAGAIN || errno == EINTR ? 0 : -errno;
 	}
+	rx->taken = n;
 	now = both_clocks();
 	for (int i = 0; i < n; i++) {
 		kept += message(rx, &slot[i], &msg[i], iface, &now, f + kept);
@@ -222,7 +225,7 @@ int bus_rx_write(int fd, const struct bus_frame *f)
 
 uint32_t bus_rx_events(struct bus_rx *rx)
 {
-	const uint32_t ev = rx->once | rx->lasting;
+	const uint32_t ev = rx->once | (rx->off ? BUS_EV_OFF : 0);
 
 	rx->once = 0;
 	return ev;

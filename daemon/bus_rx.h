@@ -16,8 +16,9 @@ struct bus_rx {
 	struct bus_id own[BUS_RX_OWN_MAX];
 	int n_own;
 	int allow_local;
-	uint32_t once;        /* events reported once */
-	uint32_t lasting;     /* events that last until their end is seen */
+	uint32_t once; /* events reported once */
+	uint32_t off;  /* bit per interface: bus-off until it restarts or carries a frame */
+	int taken;     /* messages that the last read took from the queue, delivered or not */
 	int64_t confirmed_ns; /* when an own frame was last seen back */
 	uint32_t dropped
 		[BUS_IFACES_MAX]; /* the kernel's drop counter at the last message of each interface */

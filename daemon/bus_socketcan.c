@@ -40,6 +40,7 @@ struct port {
 struct socketcan {
 	struct bus bus;
 	int n_ports, n_watch;
+	int first; /* port that is read first */
 	int watch[WATCH_MAX];
 	int ctl; /* for interface queries by the service */
 	struct port port[BUS_IFACES_MAX];
@@ -209,7 +210,11 @@ static int socketcan_recv(struct bus *b, struct bus_frame *f, int max, int64_t u
 				    .tv_nsec = wait % CLOCK_NS_PER_S};
 	const int ready = ppoll(pfd, (nfds_t)n_fds, &ts, NULL);
 
-	for (int i = 0; ready > 0 && i < s->n_ports && n < max; i++) {
+	/* Another port first each time: a flood on one must not starve the others. */
+	s->first = (s->first + 1) % s->n_ports;
+	for (int k = 0; ready > 0 && k < s->n_ports && n < max; k++) {
+		const int i = (s->first + k) % s->n_ports;
+
 		if (pfd[i].revents) {
 			n += read_port(s, i, f + n, max - n);
 		}
@@ -272,18 +277,21 @@ static int64_t socketcan_confirmed_ns(const struct bus *b)
 	return ((const struct socketcan *)b)->rx.confirmed_ns;
 }
 
-/* Bounded: a bus at full load refills more slowly than this loop empties the queue of a default socket. */
+/* Bounded: 2048 messages are more than the queue of a default socket holds. */
 static void socketcan_drain(struct bus *b)
 {
 	struct socketcan *s = of(b);
-	struct bus_frame scrap[64];
+	struct bus_frame scrap[32];
 
 	for (int i = 0; i < s->n_ports; i++) {
-		for (int round = 0; round < 64 && s->port[i].fd != NO_FD; round++) {
-			if (read_port(s, i, scrap, 64) < 64) {
-				break;
+		int round = 0;
+
+		do {
+			s->rx.taken = 0;
+			if (s->port[i].fd != NO_FD) {
+				read_port(s, i, scrap, 32);
 			}
-		}
+		} while (s->rx.taken > 0 && ++round < 64);
 	}
 }
 

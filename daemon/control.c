@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -44,11 +45,17 @@ static int somebody_listens(const struct sockaddr_un *addr)
 static int start_listening(struct control *c)
 {
 	struct epoll_event ev = {.events = EPOLLIN, .data.ptr = NULL};
+	struct stat st;
 
 	if (somebody_listens(&c->addr)) {
 		return -EADDRINUSE;
 	}
-	unlink(c->addr.sun_path);
+	if (!stat(c->addr.sun_path, &st)) {
+		if (!S_ISSOCK(st.st_mode)) {
+			return -EEXIST;
+		}
+		unlink(c->addr.sun_path);
+	}
 	c->listen_fd = socket(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
 	c->epoll_fd = epoll_create1(EPOLL_CLOEXEC);
 	if (c->listen_fd < 0 || c->epoll_fd < 0 ||
@@ -58,6 +65,13 @@ static int start_listening(struct control *c)
 		return -errno;
 	}
 	return 0;
+}
+
+static const char *why_not(int status)
+{
+	return status == -EADDRINUSE ? "another aebmcd serves it: stop it, or use another name"
+	       : status == -EEXIST   ? "there is a file that is no socket: use another name"
+				     : strerror(-status);
 }
 
 int control_open(const char *path, control_answer *answer, void *arg, struct control **ret,
@@ -81,11 +95,8 @@ int control_open(const char *path, control_answer *answer, void *arg, struct con
 		status = start_listening(c);
 	}
 	if (status) {
-		snprintf(err, (size_t)err_len, "status socket %s: %s", path,
-			 status == -EADDRINUSE
-				 ? "another aebmcd serves it: stop it, or use another name"
-				 : strerror(-status));
-		if (status == -EADDRINUSE) {
+		snprintf(err, (size_t)err_len, "status socket %s: %s", path, why_not(status));
+		if (status == -EADDRINUSE || status == -EEXIST) {
 			c->addr.sun_path[0] = '\0'; /* not ours to remove */
 		}
 		control_close(c);

@@ -17,7 +17,7 @@ struct control;
 
 /**
  * control_open - listen at @path (a stale socket of a dead process is replaced)
- * Returns 0; -EADDRINUSE if a living process listens there; -errno with one line in @err. Allocates.
+ * Returns 0; -EADDRINUSE if a living process listens there; -EEXIST if the file is no socket; -errno with one line in @err. Allocates.
  */
 int control_open(const char *path, control_answer *answer, void *arg, struct control **ret,
 		 char *err, int err_len);

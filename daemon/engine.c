@@ -7,6 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "calibration.h"
+#include "fault.h"
 #include "mc_ops.h"
 
 enum choice { CHOICE_AUTO, CHOICE_CPU, CHOICE_CUDA };
@@ -35,6 +37,19 @@ static struct mc_params params_of(const struct config *cfg)
 	return p;
 }
 
+static const char *why_not(int status)
+{
+	switch (status) {
+	case -ENOTSUP:
+		return "it is not built into this binary";
+	case -ENOSYS:
+	case -ENODEV:
+		return "no device, or no driver";
+	default:
+		return strerror(-status);
+	}
+}
+
 int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
 		enum publish_backend *which, char *err, int err_len)
 {
@@ -53,7 +68,83 @@ int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
 			return 0;
 		}
 		snprintf(err, (size_t)err_len, "cannot open the %s backend: %s", r->ops->name,
-			 strerror(-status));
+			 why_not(status));
 	}
 	return status;
+}
+
+uint32_t engine_fault(int err)
+{
+	static const struct {
+		int err;
+		uint32_t fault;
+	} row[] = {
+		{-ENOTSUP, FAULT_BIT(GPU_NONE)},   {-ENOSYS, FAULT_BIT(GPU_DRIVER)},
+		{-ENODEV, FAULT_BIT(GPU_NONE)},    {-ENOEXEC, FAULT_BIT(GPU_OLD)},
+		{-ENOMEM, FAULT_BIT(GPU_MEMORY)},  {-EFAULT, FAULT_BIT(GPU_ADDRESS)},
+		{-ETIMEDOUT, FAULT_BIT(GPU_HANG)}, {-EBADMSG, FAULT_BIT(GPU_BITS)},
+	};
+
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		if (row[i].err == err) {
+			return row[i].fault;
+		}
+	}
+	return FAULT_BIT(GPU_LOST);
+}
+
+/* `auto` takes what there is. */
+static int is_absent(int err)
+{
+	return err == -ENOTSUP || err == -ENOSYS || err == -ENODEV;
+}
+
+static void check_calibration(const struct config *cfg, char *err, int err_len)
+{
+	struct mc_cuda_info now;
+	int ret = cfg->mc_calibration[0] ? mc_cuda_info(&now) : 0;
+
+	ret = ret || !cfg->mc_calibration[0]
+		      ? ret
+		      : calibration_differs(cfg->mc_calibration, &now, err, err_len);
+	if (ret < 0) {
+		snprintf(err, (size_t)err_len, "mc.calibration: %s: %s", cfg->mc_calibration,
+			 strerror(-ret));
+	}
+}
+
+int engine_open_live(const struct config *cfg, struct engine *ret, char *err, int err_len)
+{
+	const struct mc_params p = params_of(cfg);
+	struct engine e = {.which = PUBLISH_BACKEND_CPU};
+	int status = mc_open(&mc_cpu_ops, &p, MC_WORKER, &e.mc);
+
+	err[0] = '\0';
+	if (status) {
+		snprintf(err, (size_t)err_len, "cannot open the cpu backend: %s",
+			 strerror(-status));
+		return status;
+	}
+	if (cfg->mc_backend != CHOICE_CPU) {
+		struct mc *gpu = NULL;
+
+		status = mc_open(&mc_cuda_ops, &p, MC_WORKER, &gpu);
+		if (!status) {
+			e = (struct engine){gpu, e.mc, PUBLISH_BACKEND_GPU, 0};
+			check_calibration(cfg, err, err_len);
+		} else if (cfg->mc_backend != CHOICE_AUTO || !is_absent(status)) {
+			e.faults = engine_fault(status);
+			snprintf(err, (size_t)err_len,
+				 "cannot open the cuda backend: %s; running on the CPU",
+				 strerror(-status));
+		}
+	}
+	*ret = e;
+	return 0;
+}
+
+void engine_close(struct engine *e)
+{
+	mc_close(e->mc);
+	mc_close(e->spare);
 }

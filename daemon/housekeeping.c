@@ -119,10 +119,12 @@ void housekeeping_answer(void *arg, const char *command, char *reply, size_t siz
 
 /* ---- reload ---------------------------------------------------------------------------------------------- */
 
-/* Only decision thresholds and the driver model are read anew at every evaluation; the rest sizes or wires something. */
+/* Only decision thresholds and the driver model are read anew at every evaluation; the rest sizes or wires something
+ * (driver.override: the estimator). */
 static int may_change(const struct config_row *r)
 {
-	return strcmp(r->section, "decision") == 0 || strcmp(r->section, "driver") == 0;
+	return strcmp(r->section, "decision") == 0 ||
+	       (strcmp(r->section, "driver") == 0 && strcmp(r->key, "override") != 0);
 }
 
 static int refuse_changes(const struct config *was, const struct config *now, char *err,
@@ -145,18 +147,31 @@ static int refuse_changes(const struct config *was, const struct config *now, ch
 	return 0;
 }
 
+/* The real-time thread takes a new configuration within one period; only then may the next reload fill the other
+ * copy. */
+static void let_it_take(const struct live *l)
+{
+	const int64_t wait = 2 * (int64_t)(l->cfg->bus_period * 1e6);
+	const struct timespec ts = {.tv_sec = wait / CLOCK_NS_PER_S,
+				    .tv_nsec = wait % CLOCK_NS_PER_S};
+
+	nanosleep(&ts, NULL);
+}
+
 static void reload(struct live *l)
 {
-	struct config *next = &l->active[!l->which];
+	struct config next;
 	char err[1024];
 
 	service_notify("RELOADING=1");
-	if (l->reload(l->reload_arg, next, err, sizeof(err)) ||
-	    refuse_changes(&l->active[l->which], next, err, sizeof(err))) {
+	if (l->reload(l->reload_arg, &next, err, sizeof(err)) ||
+	    refuse_changes(l->cfg, &next, err, sizeof(err))) {
 		service_log(SERVICE_ERROR, "RELOAD_REFUSED", err);
 	} else {
-		pipeline_set_config(l->pipeline, next);
 		l->which = !l->which;
+		l->reloaded[l->which] = next;
+		pipeline_set_config(l->pipeline, &l->reloaded[l->which]);
+		let_it_take(l);
 		service_log(SERVICE_NOTICE, "RELOADED", "decision and driver options are in force");
 	}
 	service_notify("READY=1");
@@ -167,8 +182,13 @@ static void reload(struct live *l)
 static int take_snapshot(struct live *l)
 {
 	const uint64_t end = ring_end(l->snapshots);
+	struct status s;
 
-	return end && ring_get(l->snapshots, end - 1, &l->seen) == 0;
+	if (!end || ring_get(l->snapshots, end - 1, &s)) {
+		return 0;
+	}
+	l->seen = s;
+	return 1;
 }
 
 /* A sign of life counts only if the real-time loop moved, and our frames came back from a bus that is up. */

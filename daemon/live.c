@@ -196,7 +196,7 @@ static void close_recorder(struct live *l)
 
 static int open_pipeline(struct live *l, char *err, int err_len)
 {
-	const struct pipeline_open o = {.cfg = &l->active[0],
+	const struct pipeline_open o = {.cfg = l->cfg,
 					.map = l->map,
 					.bus = l->bus,
 					.quiet = l->cfg->bus_transmit == TRANSMIT_NONE,
@@ -207,6 +207,7 @@ static int open_pipeline(struct live *l, char *err, int err_len)
 
 	ret = ret ? ret : ring_open(4, sizeof(struct status), &l->snapshots);
 	if (ret) {
+		pipeline_close(l->pipeline);
 		snprintf(err, (size_t)err_len, "cannot open the pipeline: %s", strerror(-ret));
 	}
 	return ret;
@@ -268,18 +269,30 @@ static void stop_thread(struct live *l)
 
 static int open_mc(struct live *l, char *err, int err_len)
 {
-	enum publish_backend which;
-	const int ret = engine_open(l->cfg, MC_WORKER, &l->mc, &which, err, err_len);
+	const int ret = engine_open_live(l->cfg, &l->engine, err, err_len);
 
-	if (!ret) {
-		pipeline_set_mc(l->pipeline, l->mc, which);
+	if (ret) {
+		return ret;
 	}
-	return ret;
+	if (err[0]) {
+		service_log(SERVICE_WARNING, l->engine.faults ? "GPU" : "CALIBRATION", err);
+	}
+	pipeline_raise(l->pipeline, l->engine.faults);
+	pipeline_set_spare(l->pipeline, l->engine.spare);
+	pipeline_set_mc(l->pipeline, l->engine.mc, l->engine.which);
+	return 0;
 }
 
 static void close_mc(struct live *l)
 {
-	mc_close(l->mc);
+	engine_close(&l->engine);
+}
+
+static int rt_compute(struct live *l, const struct mc *mc, char *err, int err_len)
+{
+	return mc ? rt_thread(mc_thread(mc), "compute thread", (int)l->cfg->rt_compute_priority,
+			      (int)l->cfg->rt_compute_cpu, err, err_len)
+		  : 0;
 }
 
 /* After everything is allocated. */
@@ -293,12 +306,8 @@ static int open_real_time(struct live *l, char *err, int err_len)
 		return 0;
 	}
 	ret = refused(l, rt_lock_memory(err, err_len), err);
-	ret = ret ? ret
-		  : refused(l,
-			    rt_thread(mc_thread(l->mc), "compute thread",
-				      (int)c->rt_compute_priority, (int)c->rt_compute_cpu, err,
-				      err_len),
-			    err);
+	ret = ret ? ret : refused(l, rt_compute(l, l->engine.mc, err, err_len), err);
+	ret = ret ? ret : refused(l, rt_compute(l, l->engine.spare, err, err_len), err);
 	ret = ret ? ret
 		  : refused(l,
 			    rt_thread(l->thread, "real-time thread", (int)c->rt_priority,
@@ -358,7 +367,6 @@ int live_run(const struct config *cfg, const struct mapping *map,
 	}
 	l->cfg = cfg;
 	l->map = map;
-	l->active[0] = *cfg;
 	l->reload = reload;
 	l->reload_arg = arg;
 	for (; n < ROOMS && !ret; n++) {

@@ -7,6 +7,7 @@
 #include <pthread.h>
 
 #include "control.h"
+#include "engine.h"
 #include "live.h"
 #include "recorder.h"
 #include "ring.h"
@@ -15,13 +16,14 @@
 struct live {
 	const struct config *cfg; /* as started with */
 	const struct mapping *map;
-	struct config active[2]; /* the one in use, and the one a reload fills */
+	struct config
+		reloaded[2]; /* the one in use since the last reload, and the one the next fills */
 	int which;
 	int (*reload)(void *arg, struct config *cfg, char *err, int err_len);
 	void *reload_arg;
 
 	struct bus *bus;
-	struct mc *mc;
+	struct engine engine;
 	struct recorder *recorder;
 	struct control *control;
 	struct pipeline *pipeline;

@@ -6,6 +6,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include "clock.h"
+#include "engine.h"
 #include "recorder.h"
 
 #define FRAMES_MAX 32
@@ -44,9 +45,16 @@ static void decide(struct pipeline *p, const struct scene *s, const struct mc_re
 
 /* ---- evaluation -------------------------------------------------------------------------------- */
 
-static void fail(struct pipeline *p)
+/* With a spare the backend is given up for good: what it does from now on is of no interest. */
+static void fail(struct pipeline *p, int err)
 {
-	p->once |= FAULT_BIT(MC_ERROR);
+	struct mc *spare = __atomic_exchange_n(&p->spare, NULL, __ATOMIC_ACQ_REL);
+
+	p->once |= spare ? engine_fault(err) : FAULT_BIT(MC_ERROR);
+	if (spare) {
+		pipeline_set_mc(p, spare, PUBLISH_BACKEND_CPU);
+		pipeline_take_offers(p);
+	}
 	pipeline_faults(p);
 	decide(p, &p->scene, NULL);
 }
@@ -89,7 +97,7 @@ static void collect(struct pipeline *p)
 	p->running = 0;
 	c->t_ns[STAGE_RESULT] = pipeline_stamp(p);
 	if (got < 0 || c->res.id != c->id || c->res.req_hash != mc_request_hash(&c->req)) {
-		fail(p);
+		fail(p, got < 0 ? got : -EBADMSG);
 	} else {
 		take_result(p);
 	}
@@ -107,7 +115,7 @@ static void submit(struct pipeline *p)
 	c->t_ns[STAGE_SCENE] = c->t_ns[STAGE_SUBMIT] = pipeline_stamp(p);
 	err = err ? err : mc_submit(p->mc, &c->req);
 	if (err < 0) {
-		fail(p);
+		fail(p, err);
 		return;
 	}
 	p->running = 1;
@@ -122,6 +130,7 @@ static void evaluate(struct pipeline *p)
 	if (pipeline_trusted(p) && p->scene.ego_valid && p->scene.lead_valid) {
 		submit(p);
 	} else {
+		p->lasting &= ~FAULT_BIT(MC_LATE); /* nothing runs that could be late */
 		decide(p, &p->scene, NULL);
 	}
 }
@@ -149,6 +158,10 @@ static void on_scan(struct pipeline *p)
 static void on_result(struct pipeline *p)
 {
 	collect(p);
+	if (p->running && p->now_ns >= p->stuck_ns &&
+	    __atomic_load_n(&p->spare, __ATOMIC_ACQUIRE)) {
+		fail(p, -ETIMEDOUT);
+	}
 	if (!p->running && p->waiting) {
 		estimator_scene(p->est, p->now_ns, &p->scene);
 		evaluate(p);

@@ -237,6 +237,38 @@ static void test_error_frames_become_events(void **state)
 	assert_int_equal(rx.stats.error_frames, 3);
 }
 
+static void test_bus_off_belongs_to_its_interface(void **state)
+{
+	struct bus_rx rx;
+	struct bus_frame f;
+
+	(void)state;
+	reset(&rx, 0);
+	inject.frame.can_id = CAN_ERR_FLAG | CAN_ERR_BUSOFF;
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 0);
+	inject.frame.can_id = CAN_ERR_FLAG | CAN_ERR_RESTARTED;
+	assert_int_equal(bus_rx_read(&rx, -1, 0, &f, 1), 0);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_OFF); /* another one restarted */
+	inject.frame.can_id = 0x123;
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 1);
+	assert_int_equal(bus_rx_events(&rx), 0); /* it carries frames again */
+}
+
+static void test_taken_counts_what_was_not_delivered_too(void **state)
+{
+	struct bus_rx rx;
+	struct bus_frame f;
+
+	(void)state;
+	reset(&rx, 0);
+	inject.flags = MSG_DONTROUTE;
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(rx.taken, 1);
+	inject.error = EAGAIN;
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(rx.taken, 0);
+}
+
 static void test_kernel_drops_are_counted_per_interface(void **state)
 {
 	struct bus_rx rx;
@@ -321,6 +353,8 @@ int main(void)
 		cmocka_unit_test(test_foreign_sender_on_our_id),
 		cmocka_unit_test(test_local_frames_only_where_allowed),
 		cmocka_unit_test(test_error_frames_become_events),
+		cmocka_unit_test(test_bus_off_belongs_to_its_interface),
+		cmocka_unit_test(test_taken_counts_what_was_not_delivered_too),
 		cmocka_unit_test(test_kernel_drops_are_counted_per_interface),
 		cmocka_unit_test(test_malformed_messages),
 		cmocka_unit_test(test_remote_frames_keep_their_flag),

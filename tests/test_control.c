@@ -170,7 +170,7 @@ static void test_refuses_more_clients_than_it_has_room_for(void **state)
 static void test_open_failures(void **state)
 {
 	struct control *c = serve(), *second = NULL;
-	char long_path[200];
+	char long_path[200], file[128];
 
 	(void)state;
 	assert_int_equal(control_open(path, answer, NULL, &second, err, sizeof(err)), -EADDRINUSE);
@@ -180,6 +180,10 @@ static void test_open_failures(void **state)
 	long_path[sizeof(long_path) - 1] = '\0';
 	assert_int_equal(control_open(long_path, answer, NULL, &second, err, sizeof(err)),
 			 -ENAMETOOLONG);
+	snprintf(file, sizeof(file), "%s/file", dir);
+	fclose(fopen(file, "w"));
+	assert_int_equal(control_open(file, answer, NULL, &second, err, sizeof(err)), -EEXIST);
+	assert_int_equal(access(file, F_OK), 0);
 	assert_int_equal(control_open("/nonexistent/s", answer, NULL, &second, err, sizeof(err)),
 			 -ENOENT);
 	assert_null(second);

@@ -16,4 +16,23 @@
 int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
 		enum publish_backend *which, char *err, int err_len);
 
+/* What the live daemon runs on: mc, and the CPU behind it where mc is the GPU. */
+struct engine {
+	struct mc *mc, *spare; /* spare is NULL where mc is the CPU */
+	enum publish_backend which;
+	uint32_t faults; /* why it is not what was asked for; 0 if it is */
+};
+
+/**
+ * engine_open_live - open the CPU and, unless the CPU was asked for, the GPU, each with a worker
+ * Without a GPU that was asked for, or with one that fails, mc is the CPU and faults says why; `auto` on a machine without
+ * one is no fault. Allocates; blocks. 0 or -errno; @err is empty or one line, also a warning where 0 is returned.
+ */
+int engine_open_live(const struct config *cfg, struct engine *ret, char *err, int err_len);
+
+/** engine_fault - the reason (fault.def, as a bit) that an error of the CUDA backend stands for (mc_ops.h). Pure. */
+uint32_t engine_fault(int err);
+
+void engine_close(struct engine *e);
+
 #endif

@@ -90,10 +90,14 @@ int pipeline_step(struct pipeline *p);
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req);
 
-/* The next six may be called from another thread than pipeline_step's; they do not block. */
+/* The next seven may be called from another thread than pipeline_step's; they do not block. */
 
 /** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT). */
 void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend);
+
+/** pipeline_set_spare - the CPU backend, open beforehand: takes over for good when the GPU fails or does not answer. Call
+ * before pipeline_set_mc(). */
+void pipeline_set_spare(struct pipeline *p, struct mc *spare);
 
 /** pipeline_set_config - use @cfg for decisions from the next step on. Options that size or wire anything are read at
  * open alone; both configurations must outlive the pipeline. */

@@ -42,6 +42,11 @@ void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend bac
 	__atomic_store_n(&p->offered_mc, mc, __ATOMIC_RELEASE);
 }
 
+void pipeline_set_spare(struct pipeline *p, struct mc *spare)
+{
+	__atomic_store_n(&p->spare, spare, __ATOMIC_RELEASE);
+}
+
 void pipeline_set_config(struct pipeline *p, const struct config *cfg)
 {
 	__atomic_store_n(&p->offered_cfg, cfg, __ATOMIC_RELEASE);

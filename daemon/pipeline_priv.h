@@ -32,7 +32,7 @@ struct pipeline {
 	int64_t cut_ns, stuck_ns; /* when to cut the batch; when to give it up */
 
 	/* written by another thread, read here; atomic */
-	struct mc *offered_mc;
+	struct mc *offered_mc, *spare;
 	enum publish_backend offered_backend;
 	const struct config *offered_cfg;
 	int arm, mark;

@@ -997,6 +997,78 @@ static void test_backend_is_replaced(void **arg)
 	mc_close(other);
 }
 
+/* A second backend that never fails, while w.run_error and w.block are the first one's. */
+static int spare_run(struct mc_backend *b, const struct mc_request *req, const uint64_t *cut,
+		     struct mc_result *res)
+{
+	(void)b;
+	(void)cut;
+	*res = (struct mc_result){
+		.id = req->id, .req_hash = mc_request_hash(req), .n = w.n, .n_futures = FUTURES};
+	return 0;
+}
+
+static const struct mc_ops spare_ops = {
+	.name = "spare", .open = fake_open, .run = spare_run, .close = fake_close};
+
+static void expect_spare(uint32_t fault, uint64_t before)
+{
+	assert_int_equal(reasons(), fault);
+	request_is("DEGRADED", "none", "none");
+	assert_true(has_risk());
+	assert_true(pipeline_stats(w.p)->evaluations >= before + 3);
+	assert_int_equal(raw(last(PUBLISH_STATUS), AEB_STATUS_BACKEND), AEB_STATUS_BACKEND_CPU);
+}
+
+static void test_spare_takes_over_after_an_error(void **arg)
+{
+	static const struct {
+		int err;
+		uint32_t fault;
+	} row[] = {{-EFAULT, FAULT_BIT(GPU_ADDRESS)},
+		   {-EIO, FAULT_BIT(GPU_LOST)},
+		   {-EBADMSG, FAULT_BIT(GPU_BITS)},
+		   {-ETIMEDOUT, FAULT_BIT(GPU_HANG)},
+		   {0, FAULT_BIT(GPU_BITS)}}; /* 0: the result of another request */
+	const struct mc_params params = {.n_resident = 256, .threads = 1};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct mc *spare = NULL;
+
+		assert_int_equal(mc_open(&spare_ops, &params, MC_INLINE, &spare), 0);
+		begin(&log_ops, 0, NULL);
+		pipeline_set_spare(w.p, spare);
+		run_scans(10);
+		w.run_error = row[i].err;
+		w.wrong_hash = row[i].err == 0;
+		run_scans(40);
+		expect_spare(row[i].fault, 10);
+		w.run_error = w.wrong_hash = 0;
+		end();
+		mc_close(spare);
+	}
+}
+
+static void test_spare_takes_over_from_a_stuck_backend(void **arg)
+{
+	const struct mc_params params = {.n_resident = 256, .threads = 1};
+	struct mc *spare = NULL;
+
+	(void)arg;
+	assert_int_equal(mc_open(&spare_ops, &params, MC_INLINE, &spare), 0);
+	begin(&live_ops, 1, NULL);
+	pipeline_set_spare(w.p, spare);
+	w.deaf = 1;
+	__atomic_store_n(&w.block, 1, __ATOMIC_RELEASE);
+	run_to(SCAN_0 + 1900 * MS);
+	expect_spare(FAULT_BIT(GPU_HANG), 0);
+	assert_int_equal(pipeline_stats(w.p)->period_miss, 0);
+	__atomic_store_n(&w.block, 0, __ATOMIC_RELEASE);
+	end();
+	mc_close(spare);
+}
+
 static void test_arming(void **arg)
 {
 	(void)arg;
@@ -1237,6 +1309,8 @@ int main(void)
 		cmocka_unit_test(test_deaf_worker_is_stuck),
 		cmocka_unit_test(test_backend_comes_late),
 		cmocka_unit_test(test_backend_is_replaced),
+		cmocka_unit_test(test_spare_takes_over_after_an_error),
+		cmocka_unit_test(test_spare_takes_over_from_a_stuck_backend),
 		cmocka_unit_test(test_arming),
 		cmocka_unit_test(test_quiet_sends_nothing),
 		cmocka_unit_test(test_new_configuration),

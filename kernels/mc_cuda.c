@@ -9,9 +9,10 @@
 #include <string.h>
 #include <time.h>
 
-#define WAIT_SPINS  (1u << 20) /* looks at a word: about a millisecond */
-#define WAIT_SLEEPS 30000u     /* of 50 us at least, 100 us as a rule: 3 s, the driver's own limit for a hung kernel */
-#define WAIT_NS     50000
+#define WAIT_SPINS (1u << 20) /* looks at a word: about a millisecond */
+#define WAIT_SLEEPS \
+	30000u /* of 50 us at least, 100 us as a rule: 3 s, the driver's own limit for a hung kernel */
+#define WAIT_NS 50000
 
 void mc_cuda_job(struct cuda_job *job, const struct mc_request *req)
 {

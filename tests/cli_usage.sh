@@ -23,6 +23,10 @@ for sub in $subs; do
 	refuses 2 "$AEBMC" "$sub" --no-such-option
 	exits "help $sub" 0 "$AEBMC" help "$sub"
 	like "help $sub shows how to call it" "$tmp/out" "^Usage: aebmc $sub "
+	is "help $sub names each operand once a line" "$(awk '/^(Usage|  or):/ {
+		split("", seen)
+		for (i = 1; i <= NF; i++) if (seen[$i]++) print
+	}' "$tmp/out")" ""
 done
 
 # numbers and names

@@ -64,7 +64,7 @@ int cli_parse(const struct argp *argp, int argc, char **argv, void *input)
 {
 	struct quiet q = {argp, input};
 	const struct argp_child child[] = {{argp, 0, NULL, 0}, {0}};
-	const struct argp root = {NULL, parse_quiet, argp->args_doc, argp->doc, child, NULL, NULL};
+	const struct argp root = {NULL, parse_quiet, NULL, argp->doc, child, NULL, NULL};
 
 	return argp_parse(&root, argc, argv, 0, NULL, &q) ? CLI_USAGE : 0;
 }

@@ -48,7 +48,9 @@ done
 # another lead
 refuses 1 "$AEBMC" generate --splice "$tmp/none.log" --at 5
 refuses 1 "$AEBMC" generate --splice "$tmp" --at 5
-refuses 1 "$AEBMC" generate --splice "$tmp/brake.log" --at 5 --out "$tmp/brake.log"
+ln -s brake.log "$tmp/link.log"
+refuses 2 "$AEBMC" generate --splice "$tmp/brake.log" --at 5 --out "$tmp/link.log"
+refuses 2 "$AEBMC" generate --splice "$tmp/brake.log" --at 5 --out "$tmp/brake.log"
 ok "which leaves the log as it was" cmp "$tmp/brake.log" "$tmp/again.log"
 refuses 1 "$AEBMC" generate --splice /dev/null --at 5
 like "there is no lead to replace" "$tmp/err" "no lead"

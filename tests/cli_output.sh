@@ -97,6 +97,22 @@ ok "replay --out -" "$AEBMC" replay --config $car --out - "$drive"
 cp "$tmp/out" "$tmp/stdout.log"
 ok "the same frames as into a file" cmp "$tmp/stdout.log" "$ours"
 
+# an output that is the input, or the other output
+cp "$drive" "$tmp/y.log"
+ln -s y.log "$tmp/link.log"
+for to in y.log link.log; do
+	for option in --csv --out; do
+		refuses 2 "$AEBMC" replay --config $car $option "$tmp/$to" "$tmp/y.log"
+		like "which names it" "$tmp/err" "y.log: is the input as well"
+	done
+done
+exits "standard input is the output" 2 "$AEBMC" replay --config $car --csv "$tmp/y.log" - <"$tmp/y.log"
+ok "the log is as it was" cmp "$tmp/y.log" "$drive"
+refuses 2 "$AEBMC" replay --config $car --csv "$tmp/new" --out "$tmp/./new" "$drive"
+refuses 2 "$AEBMC" replay --config $car --csv "$tmp/y.log" --out "$tmp/link.log" "$drive"
+ok "and still is" cmp "$tmp/y.log" "$drive"
+ok "nowhere may be given twice" "$AEBMC" replay --config $car --csv /dev/null --out /dev/null "$drive"
+
 # nowhere to write
 for sub in "curve --samples 1000" "curve --samples 1000 --json" "curve --samples 1000 --csv -" "converge" \
 	"verify --samples 100 --resident 64" "bench --rounds 1" "decode $ours" "decode --json $ours" "help" "help curve" "--version" \

@@ -7,7 +7,9 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/utsname.h>
+#include <unistd.h>
 #include "text.h"
 
 /* ---- messages ---------------------------------------------------------------------------------- */
@@ -108,6 +110,19 @@ error_t cli_choice(const struct argp_state *st, const char *name, const char *ar
 }
 
 /* ---- files ------------------------------------------------------------------------------------- */
+
+static int file_status(const char *path, int dash, struct stat *st)
+{
+	return strcmp(path, "-") ? stat(path, st) : fstat(dash, st);
+}
+
+int cli_same_file(const char *a, int a_dash, const char *b)
+{
+	struct stat sa, sb;
+
+	return a && b && !file_status(a, a_dash, &sa) && !file_status(b, STDOUT_FILENO, &sb) &&
+	       S_ISREG(sa.st_mode) && sa.st_dev == sb.st_dev && sa.st_ino == sb.st_ino;
+}
 
 FILE *cli_create(const char *name, const char *path)
 {

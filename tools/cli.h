@@ -36,6 +36,12 @@ error_t cli_choice(const struct argp_state *st, const char *name, const char *ar
 int cli_error(int code, const char *name, const char *fmt, ...)
 	__attribute__((format(printf, 3, 4)));
 
+/**
+ * cli_same_file - 1 if both paths lead to one regular file
+ * @a_dash: the descriptor that "-" means as @a; as @b it is standard output. NULL is no file.
+ */
+int cli_same_file(const char *a, int a_dash, const char *b);
+
 /** cli_create - open @path for writing, "-" is standard output. NULL after one line. */
 FILE *cli_create(const char *name, const char *path);
 

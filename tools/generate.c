@@ -3,6 +3,7 @@
  */
 #include <errno.h>
 #include <string.h>
+#include <unistd.h>
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
@@ -56,6 +57,9 @@ static error_t check(const struct args *a, struct argp_state *st)
 	}
 	if (!a->splice != (a->at_s < 0)) {
 		return cli_bad(st, "--splice LOG and --at S go together");
+	}
+	if (cli_same_file(a->splice, STDIN_FILENO, a->out)) {
+		return cli_bad(st, "%s: is the input as well; write to another file", a->splice);
 	}
 	return 0;
 }

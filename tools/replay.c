@@ -4,6 +4,7 @@
  */
 #include <errno.h>
 #include <string.h>
+#include <unistd.h>
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
@@ -168,11 +169,29 @@ static int open_csv(struct replay *r)
 	return 0;
 }
 
+/* Opening an output empties it. */
+static int check_files(const struct replay *r)
+{
+	const struct replay_args *a = r->args;
+
+	if (cli_same_file(a->log, STDIN_FILENO, a->out) ||
+	    cli_same_file(a->log, STDIN_FILENO, a->csv)) {
+		return cli_error(CLI_USAGE, r->name,
+				 "%s: is the input as well; write to another file", a->log);
+	}
+	return cli_same_file(a->out, STDOUT_FILENO, a->csv)
+		       ? cli_error(CLI_USAGE, r->name, "%s: --out and --csv need a file each",
+				   a->csv)
+		       : 0;
+}
+
 static int open_all(struct replay *r)
 {
-	int code = setup_load(r->name, &r->args->setup, &r->cfg, &r->map);
+	int code = check_files(r);
 
+	code = code ? code : setup_load(r->name, &r->args->setup, &r->cfg, &r->map);
 	code = code ? code : open_log(r);
+	code = code ? code : check_files(r); /* again, --out exists now */
 	code = code ? code : open_csv(r);
 	code = code ? code : open_mc(r);
 	return code ? code : open_pipeline(r);

@@ -20,7 +20,8 @@
 struct bus_log {
 	struct bus bus;
 	struct bus_stats stats;
-	int in, out; /* -1: none */
+	int in, out;     /* -1: none */
+	int write_error; /* the first one */
 	int n_ifaces;
 	char iface[BUS_IFACES_MAX][BUS_NAME_MAX];
 	int64_t total, consumed; /* bytes of the input */
@@ -170,7 +171,7 @@ static int peek(struct bus_log *l)
 static int log_recv(struct bus *b, struct bus_frame *f, int max, int64_t until_ns, int64_t *now_ns)
 {
 	struct bus_log *l = log_of(b);
-	int ret = peek(l);
+	int ret = l->write_error ? l->write_error : peek(l);
 	int n = 0;
 
 	if (ret) {
@@ -195,17 +196,10 @@ static int log_recv(struct bus *b, struct bus_frame *f, int max, int64_t until_n
 	return n;
 }
 
-static int log_send(struct bus *b, const struct bus_frame *f)
+static int write_line(struct bus_log *l, const char *line, int len)
 {
-	struct bus_log *l = log_of(b);
-	char line[256];
-	int len, done = 0;
+	int done = 0;
 
-	if (f->iface >= l->n_ifaces) {
-		return -ENODEV;
-	}
-	len = bus_log_format(f, l->iface[f->iface], line, sizeof(line) - 1);
-	line[len++] = '\n';
 	while (l->out >= 0 && done < len) {
 		ssize_t n = write(l->out, line + done, (size_t)(len - done));
 
@@ -214,8 +208,35 @@ static int log_send(struct bus *b, const struct bus_frame *f)
 		}
 		done += n > 0 ? (int)n : 0;
 	}
-	l->stats.sent++;
 	return 0;
+}
+
+static int log_send(struct bus *b, const struct bus_frame *f)
+{
+	struct bus_log *l = log_of(b);
+	char line[256];
+	int len, error;
+
+	if (f->iface >= l->n_ifaces) {
+		return -ENODEV;
+	}
+	len = bus_log_format(f, l->iface[f->iface], line, sizeof(line) - 1);
+	line[len++] = '\n';
+	error = write_line(l, line, len);
+	l->write_error = l->write_error ? l->write_error : error;
+	l->stats.sent += !error;
+	return error;
+}
+
+int bus_log_finish(struct bus *b)
+{
+	struct bus_log *l = log_of(b);
+
+	if (l->out > STDERR_FILENO && close(l->out) != 0 && !l->write_error) {
+		l->write_error = -errno;
+	}
+	l->out = -1;
+	return l->write_error;
 }
 
 static const struct bus_stats *log_stats(const struct bus *b)
@@ -233,9 +254,7 @@ static void log_close(struct bus *b)
 	if (l->in > STDERR_FILENO) {
 		close(l->in);
 	}
-	if (l->out > STDERR_FILENO) {
-		close(l->out);
-	}
+	bus_log_finish(b);
 	free(l);
 }
 

@@ -172,20 +172,30 @@ static void report(const struct daemon *d)
 		entered[LEVEL_WARN], entered[LEVEL_PARTIAL], entered[LEVEL_FULL]);
 }
 
+static int fail_log(const char *path, int error)
+{
+	char err[1024];
+
+	snprintf(err, sizeof(err), "%s: %s", path, strerror(-error));
+	return fail(EXIT_FAILED, err);
+}
+
 static int loop(struct daemon *d)
 {
-	char err[128];
-	int rc;
+	int rc, lost;
 
 	do {
 		rc = pipeline_step(d->pipeline);
 	} while (!rc);
-	if (rc == -ENODATA) {
-		report(d);
-		return EXIT_GOOD;
+	lost = bus_log_finish(d->bus);
+	if (lost) {
+		return fail_log(strcmp(d->args->out, "-") ? d->args->out : "standard output", lost);
 	}
-	snprintf(err, sizeof(err), "the bus failed: %s", strerror(-rc));
-	return fail(EXIT_FAILED, err);
+	if (rc != -ENODATA) {
+		return fail_log(d->args->log, rc);
+	}
+	report(d);
+	return EXIT_GOOD;
 }
 
 static int run_log(const struct args *a)

@@ -95,5 +95,14 @@ mkfifo "$tmp/pipe"
 exec 3>"$tmp/pipe"
 wait $!
 exits "standard output a closed pipe" 1 sh -c "\"$d\" --print-options >&3"
+
+# so for the frames on a log
+"$O/aebmc" generate --drive brake --out "$tmp/brake.log"
+run="--config $cars/generic.conf --set mc.samples=256 --log $tmp/brake.log"
+# shellcheck disable=SC2086 # $run is words
+refuses 1 "$d" $run --out /dev/full
+is "the output is named" "$(cat "$tmp/err")" "aebmcd: /dev/full: No space left on device"
+exits "frames to a closed pipe" 1 sh -c "\"$d\" $run --out - >&3"
+is "standard output is named" "$(cat "$tmp/err")" "aebmcd: standard output: Broken pipe"
 exec 3>&-
 done_testing

@@ -479,12 +479,35 @@ static void lost_reader_is_reported(void **state)
 
 static void full_disk_is_reported(void **state)
 {
+	static const char frame[] = "(1.000000) can0 001#00\n";
 	struct bus *b = open_text("", 0, "/dev/full");
 	struct bus_frame f = {.id = 1};
+	int64_t now;
 
 	(void)state;
+	assert_int_equal(bus_log_finish(b), 0);
+	b->ops->close(b);
+	b = open_text(frame, strlen(frame), "/dev/full");
 	assert_int_equal(b->ops->send(b, &f), -ENOSPC);
 	assert_int_equal(b->ops->stats(b)->sent, 0);
+	/* whoever does not look at send() learns it here */
+	assert_int_equal(b->ops->recv(b, &f, 1, CLOCK_NEVER, &now), -ENOSPC);
+	assert_int_equal(b->ops->recv(b, &f, 1, CLOCK_NEVER, &now), -ENOSPC);
+	assert_int_equal(b->ops->stats(b)->received, 0);
+	assert_int_equal(bus_log_finish(b), -ENOSPC);
+	assert_int_equal(bus_log_finish(b), -ENOSPC);
+	b->ops->close(b);
+}
+
+static void error_of_close_is_reported(void **state)
+{
+	struct bus *b = open_text("", 0, "out.log");
+	int next = open("/dev/null", O_RDONLY);
+
+	(void)state;
+	close(next);
+	close(next - 1); /* the output's: the last one opened before */
+	assert_int_equal(bus_log_finish(b), -EBADF);
 	b->ops->close(b);
 }
 
@@ -553,6 +576,7 @@ int main(void)
 		cmocka_unit_test(old_output_is_replaced),
 		cmocka_unit_test(lost_reader_is_reported),
 		cmocka_unit_test(full_disk_is_reported),
+		cmocka_unit_test(error_of_close_is_reported),
 		cmocka_unit_test(what_cannot_be_opened_is_named),
 		cmocka_unit_test(close_takes_null),
 	};

@@ -194,6 +194,9 @@ static int splice(const char *name, const struct args *a, const struct config *c
 		error = write_spliced(&s, log);
 		splice_close(&s);
 	}
+	int lost = bus_log_finish(log);
+
+	error = lost ? lost : error;
 	log->ops->close(log);
 	if (error && error != -ENODATA) {
 		return cli_error(CLI_FAILED, name, "%s to %s: %s", a->splice, a->out,

@@ -232,7 +232,6 @@ static int run(struct replay *r)
 	cli_catch_interrupt();
 	while (!error && !cli_interrupted()) {
 		error = pipeline_step(r->pipe);
-		error = !error && r->bus.send_error ? r->bus.send_error : error;
 		error = !error && r->csv && ferror(r->csv) ? -EIO : error;
 		if (r->line.on) {
 			show_progress(r, start_ns);
@@ -244,10 +243,12 @@ static int run(struct replay *r)
 
 static int explain(const struct replay *r, int error)
 {
-	if (r->bus.send_error) {
+	int lost = bus_log_finish(r->log);
+
+	if (lost) {
 		return cli_error(CLI_FAILED, r->name, "%s: %s",
 				 is_stdout(r->args->out) ? "standard output" : r->args->out,
-				 strerror(-error));
+				 strerror(-lost));
 	}
 	if (r->csv && ferror(r->csv)) {
 		return CLI_FAILED; /* told when it is closed */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * A bus around a bus that remembers when the first and the last frame came and what went wrong with sending: what a
- * replay must know and the pipeline need not.
+ * A bus around a bus that remembers when the first and the last frame came: what a replay must know and the pipeline
+ * need not.
  */
 #ifndef AEBMC_STAMPED_H
 #define AEBMC_STAMPED_H
@@ -11,7 +11,6 @@ struct stamped {
 	struct bus bus; /* to hand to the pipeline */
 	struct bus *inner;
 	int64_t first_ns, last_ns; /* both 0 before the first frame */
-	int send_error;            /* the first one, -errno; 0 none */
 };
 
 /** stamped_init - @inner stays the caller's and must outlive @s. */

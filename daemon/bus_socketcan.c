@@ -196,6 +196,18 @@ static int read_port(struct socketcan *s, int i, struct bus_frame *f, int max)
 	return n < 0 ? 0 : n;
 }
 
+/* A watched counter is read here: left alone it would end every later wait at once, for ever. */
+static void reset_watched(const struct pollfd *pfd, int n)
+{
+	uint64_t count;
+
+	for (int i = 0; i < n; i++) {
+		if (pfd[i].revents && read(pfd[i].fd, &count, sizeof(count)) < 0) {
+			continue; /* somebody else read it: as good */
+		}
+	}
+}
+
 static int socketcan_recv(struct bus *b, struct bus_frame *f, int max, int64_t until_ns,
 			  int64_t *now_ns)
 {
@@ -210,6 +222,9 @@ static int socketcan_recv(struct bus *b, struct bus_frame *f, int max, int64_t u
 				    .tv_nsec = wait % CLOCK_NS_PER_S};
 	const int ready = ppoll(pfd, (nfds_t)n_fds, &ts, NULL);
 
+	if (ready > 0) {
+		reset_watched(pfd + s->n_ports, s->n_watch);
+	}
 	/* Another port first each time: a flood on one must not starve the others. */
 	s->first = (s->first + 1) % s->n_ports;
 	for (int k = 0; ready > 0 && k < s->n_ports && n < max; k++) {

@@ -62,7 +62,7 @@ struct bus_ops {
 	/* Live only, NULL on a log. */
 	int (*watch)(
 		struct bus *b,
-		int fd); /* a non-blocking eventfd that ends recv early (a finished batch); recv resets it */
+		int fd); /* a descriptor whose readability ends recv early (a finished batch) */
 	uint32_t (*events)(
 		struct bus *
 			b); /* BUS_EV_* since the last call, and the lasting ones while they last */
@@ -132,7 +132,8 @@ int bus_socketcan_iface(const struct bus *b, int i);
  * later one gives the frames of one stamp. Stamps up to 1 s back are clamped to the last one; further back, or more than
  * 600 s ahead, the recorder's clock was set: time goes on from the last stamp. Both count as disorder.
  * send() blocks while a pipe is full, and fails with -EPIPE once its reader is gone (where SIGPIPE is ignored).
- * After a send() that failed, recv() returns that error.
+ * After a send() that failed, recv() returns that error. recv() returns -EINTR if a signal's handler ran while it waited
+ * for input; call it again to go on.
  * Returns 0 or -errno.
  */
 int bus_log_open(const char *in, const char *out, const char *const *ifaces, int n_ifaces,

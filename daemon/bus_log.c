@@ -39,7 +39,7 @@ static struct bus_log *log_of(struct bus *b)
 	return (struct bus_log *)b; /* the first member */
 }
 
-/* One more read into the buffer. 1, 0 at the end, -errno. */
+/* One more read into the buffer. 1, 0 at the end, -errno; -EINTR is the caller's to judge. */
 static int refill(struct bus_log *l)
 {
 	ssize_t n;
@@ -47,9 +47,7 @@ static int refill(struct bus_log *l)
 	memmove(l->buf, l->buf + l->head, (size_t)(l->fill - l->head));
 	l->fill -= l->head;
 	l->head = 0;
-	do {
-		n = read(l->in, l->buf + l->fill, (size_t)(LOG_LINE_MAX - 1 - l->fill));
-	} while (n < 0 && errno == EINTR);
+	n = read(l->in, l->buf + l->fill, (size_t)(LOG_LINE_MAX - 1 - l->fill));
 	if (n < 0) {
 		return -errno;
 	}

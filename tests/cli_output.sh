@@ -147,4 +147,23 @@ kill -INT $child
 wait $child
 is "replay ends on Ctrl-C" $? 1
 json "replay: with what it has" "$tmp/out" 'j["interrupted"] is True and j["frames"] > 0'
+# idle COMMAND...: nothing more comes on standard input
+idle() {
+	mkfifo "$tmp/idle"
+	"$@" <"$tmp/idle" >"$tmp/out" 2>"$tmp/err" &
+	child=$!
+	exec 3>"$tmp/idle"
+	sleep 2
+	kill -INT $child
+	(sleep 20 && kill -KILL $child) >/dev/null 2>&1 &
+	guard=$!
+	wait $child
+	is "$1 $2 ends on Ctrl-C while its input is idle" $? 1
+	kill $guard
+	exec 3>&-
+	is "and says so" "$(cat "$tmp/err")" "aebmc $2: interrupted"
+	rm "$tmp/idle"
+}
+idle "$AEBMC" replay --config $car -
+idle "$AEBMC" decode -
 done_testing

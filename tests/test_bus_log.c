@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <sys/time.h>
 #include <unistd.h>
 #include <cmocka.h>
 #include "bus.h"
@@ -391,6 +392,41 @@ static void read_errors_are_reported(void **state)
 	close(saved);
 }
 
+static void on_alarm(int sig)
+{
+	(void)sig;
+}
+
+/* Again and again, so that one of them comes while recv() waits. */
+static void signal_ends_the_wait(void **state)
+{
+	const struct sigaction act = {.sa_handler = on_alarm};
+	const struct itimerval often = {{0, 10000}, {0, 10000}}, never = {{0, 0}, {0, 0}};
+	static const char text[] = "(1.000000) can0 001#00\n";
+	int saved = dup(STDIN_FILENO), fd[2];
+	struct bus *b;
+	struct bus_frame f;
+	int64_t now;
+	char err[256];
+
+	(void)state;
+	assert_int_equal(pipe(fd), 0);
+	dup2(fd[0], STDIN_FILENO);
+	close(fd[0]);
+	assert_int_equal(bus_log_open("-", NULL, ifaces, 2, &b, err, sizeof(err)), 0);
+	sigaction(SIGALRM, &act, NULL);
+	setitimer(ITIMER_REAL, &often, NULL);
+	assert_int_equal(b->ops->recv(b, &f, 1, CLOCK_NEVER, &now), -EINTR);
+	setitimer(ITIMER_REAL, &never, NULL);
+	assert_int_equal(write(fd[1], text, strlen(text)), strlen(text));
+	close(fd[1]);
+	assert_int_equal(drain(b), 1); /* nothing was lost */
+	b->ops->close(b);
+	signal(SIGALRM, SIG_DFL);
+	dup2(saved, STDIN_FILENO);
+	close(saved);
+}
+
 /* ---- input and output ----------------------------------------------------------------------- */
 
 static void standard_input_is_read(void **state)
@@ -571,6 +607,7 @@ int main(void)
 		cmocka_unit_test(endless_lines_are_skipped),
 		cmocka_unit_test(empty_log_ends_at_once),
 		cmocka_unit_test(read_errors_are_reported),
+		cmocka_unit_test(signal_ends_the_wait),
 		cmocka_unit_test(standard_input_is_read),
 		cmocka_unit_test(what_is_sent_can_be_replayed),
 		cmocka_unit_test(old_output_is_replaced),

@@ -152,14 +152,15 @@ static int run(const char *name, const struct args *a, const struct publish *p, 
 	} else {
 		decode(in, p, NULL, &n);
 	}
+	if (cli_interrupted()) {
+		return cli_error(CLI_FAILED, name, "interrupted");
+	}
 	if (ferror(in)) {
 		return cli_error(CLI_FAILED, name, "%s: %s", a->log, strerror(errno));
 	}
-	if (!n.ours) {
-		return cli_error(CLI_FAILED, name, "%s: none of %llu frames is ours", a->log,
-				 (unsigned long long)n.others);
-	}
-	return cli_interrupted() ? cli_error(CLI_FAILED, name, "interrupted") : CLI_GOOD;
+	return n.ours ? CLI_GOOD
+		      : cli_error(CLI_FAILED, name, "%s: none of %llu frames is ours", a->log,
+				  (unsigned long long)n.others);
 }
 
 int cmd_decode(int argc, char **argv)

@@ -232,6 +232,7 @@ static int run(struct replay *r)
 	cli_catch_interrupt();
 	while (!error && !cli_interrupted()) {
 		error = pipeline_step(r->pipe);
+		error = error == -EINTR ? 0 : error;
 		error = !error && r->csv && ferror(r->csv) ? -EIO : error;
 		if (r->line.on) {
 			show_progress(r, start_ns);
@@ -256,11 +257,13 @@ static int explain(const struct replay *r, int error)
 	if (error) {
 		return cli_error(CLI_FAILED, r->name, "%s: %s", r->args->log, strerror(-error));
 	}
-	if (!pipeline_stats(r->pipe)->frames) {
-		return cli_error(CLI_FAILED, r->name, "%s: no frame on the configured interfaces",
-				 r->args->log);
+	if (cli_interrupted()) {
+		return cli_error(CLI_FAILED, r->name, "interrupted");
 	}
-	return cli_interrupted() ? cli_error(CLI_FAILED, r->name, "interrupted") : CLI_GOOD;
+	return pipeline_stats(r->pipe)->frames
+		       ? CLI_GOOD
+		       : cli_error(CLI_FAILED, r->name, "%s: no frame on the configured interfaces",
+				   r->args->log);
 }
 
 static int replay(struct replay *r)

@@ -172,12 +172,10 @@ static void report(const struct daemon *d)
 		entered[LEVEL_WARN], entered[LEVEL_PARTIAL], entered[LEVEL_FULL]);
 }
 
-static int fail_log(const char *path, int error)
+static int fail_log(const char *path, const char *why)
 {
-	char err[1024];
-
-	snprintf(err, sizeof(err), "%s: %s", path, strerror(-error));
-	return fail(EXIT_FAILED, err);
+	fprintf(stderr, "aebmcd: %s: %s\n", path, why);
+	return EXIT_FAILED;
 }
 
 static int loop(struct daemon *d)
@@ -189,10 +187,14 @@ static int loop(struct daemon *d)
 	} while (!rc);
 	lost = bus_log_finish(d->bus);
 	if (lost) {
-		return fail_log(strcmp(d->args->out, "-") ? d->args->out : "standard output", lost);
+		return fail_log(strcmp(d->args->out, "-") ? d->args->out : "standard output",
+				strerror(-lost));
 	}
 	if (rc != -ENODATA) {
-		return fail_log(d->args->log, rc);
+		return fail_log(d->args->log, strerror(-rc));
+	}
+	if (!pipeline_stats(d->pipeline)->frames) {
+		return fail_log(d->args->log, "no frame on the configured interfaces");
 	}
 	report(d);
 	return EXIT_GOOD;

@@ -85,6 +85,11 @@ is "--version is the Makefile's" "$("$d" --version | head -n 1)" "aebmcd $(sed -
 # logs
 refuses 1 "$d" --config $cars/generic.conf --log "$tmp/nosuch.log"
 refuses 1 "$d" --config $cars/generic.conf --log /dev/null --out "$tmp/no/such/dir"
+head -c 100000 /dev/urandom >"$tmp/random.log"
+for log in /dev/null "$tmp/random.log"; do
+	refuses 1 "$d" --config $cars/generic.conf --log "$log"
+	is "there is no frame in it" "$(cat "$tmp/err")" "aebmcd: $log: no frame on the configured interfaces"
+done
 
 # an output that nobody takes
 exits "standard output closed" 1 sh -c "\"$d\" --print-config >&-"

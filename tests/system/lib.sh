@@ -60,7 +60,7 @@ configure() {
 	sed 's/^interfaces = .*/interfaces = vcan0/' /usr/share/aebmc/vehicles/generic.conf >/etc/aebmc/test.conf
 	cp /usr/share/aebmc/vehicles/generic.dbc /etc/aebmc/
 	local o
-	for o in bus.allow_local=yes bus.transmit=shadow bus.period=100 mc.samples=256 "$@"; do
+	for o in bus.allow_local=yes bus.transmit=shadow bus.period=100 bus.result_ttl=1000 bus.stale_periods=20 mc.samples=256 "$@"; do
 		python3 - "$CONF" "$o" <<'P'
 import re, sys
 path, (name, value) = sys.argv[1], sys.argv[2].split("=", 1)

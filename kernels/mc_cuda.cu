@@ -160,6 +160,12 @@ static __device__ __forceinline__ void count_hist(const struct rollout *r,
 {
 }
 
+/* The cache lines of a warp's next draws, two for each row: one lane asks for all. */
+static __device__ __forceinline__ void prefetch(const float *p)
+{
+	asm volatile("prefetch.global.L2 [%0];" ::"l"(p));
+}
+
 /*
  * A warp is as slow as its slowest lane, and the impact speed of one lane takes as long as that of all. Where only a
  * few lanes collide their indices wait in the warp's pool until they fill a warp, and are rolled again from the start.
@@ -180,9 +186,12 @@ static __device__ void roll(const struct cuda_args *a, struct block_memory *s,
 		uint32_t index = base + lane, contact = 0, mask;
 		struct rollout r;
 
-		asm volatile(
-			"" ::
-				: "memory"); /* the plan stays in shared memory: as registers it would spill */
+		/* the plan stays in shared memory: as registers it would spill */
+		asm volatile("" ::: "memory");
+		if (!GENERATE && lane < 2 * MC_DIM && base + s->step < s->count) {
+			prefetch(s->draws + (size_t)(lane / 2) * s->stride + base + s->step +
+				 lane % 2 * 31);
+		}
 		pooled -= again ? n : 0;
 		if (lane < n) {
 			float in[MODEL_INPUTS];

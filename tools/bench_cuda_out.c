@@ -96,7 +96,7 @@ static void print_figure(const struct bench_cuda *t)
 	       "were timed).\n"
 	       "%10s %21s %21s %21s %21s %13s %11s %11s\n",
 	       "N", "paper kernel", "paper with copies", "reference kernel", "fast: run()",
-	       "BC_CPU SIMD", "x scalar*", "x BC_CPU SIMD");
+	       "CPU SIMD", "x scalar*", "x CPU SIMD");
 	for (int i = 0; i < BENCH_CUDA_SIZES; i++) {
 		const struct bench_cuda_timing *r = t->figure[i];
 

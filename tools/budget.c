@@ -16,6 +16,7 @@
 #include "progress.h"
 
 #define RESIDENT (1u << 20)
+#define TRIES    5
 #define RUNS     1000 /* for p99.9 */
 #define FEW      5    /* for the cost of a sample, and to try what was found */
 
@@ -33,7 +34,8 @@ static const struct kernel {
 
 struct found {
 	double overhead_ns, sample_ns, spread_ns; /* spread: p99.9 less median */
-	double tried_ms[CALIBRATION_BUDGETS]; /* the longest of a few runs with the number found */
+	uint32_t samples[CALIBRATION_BUDGETS];
+	double tried_ms[CALIBRATION_BUDGETS]; /* the longest of a few batches of that many */
 };
 
 struct args {
@@ -116,6 +118,23 @@ static uint32_t fits(const struct found *f, double ms)
 	return n < 0 ? 0 : n < UINT32_MAX ? (uint32_t)n : UINT32_MAX;
 }
 
+/* The line is not quite straight: take fewer until a few batches stay within the budget. */
+static int try_out(struct mc_backend *b, const struct kernel *k, double ms, double *ns, uint32_t *n,
+		   double *longest_ms)
+{
+	int error = 0;
+
+	for (int i = 0; i < TRIES && *n && !error; i++) {
+		error = batches(b, k, *n, FEW, ns);
+		*longest_ms = ns[FEW - 1] * 1e-6;
+		if (*longest_ms <= ms) {
+			break;
+		}
+		*n = (uint32_t)(*n * 0.995 * ms / *longest_ms);
+	}
+	return error;
+}
+
 static int measure(struct mc_backend *b, const struct kernel *k, uint32_t runs, double *ns,
 		   struct found *f)
 {
@@ -130,10 +149,8 @@ static int measure(struct mc_backend *b, const struct kernel *k, uint32_t runs, 
 	error = error ? error : batches(b, k, k->n_tail, runs, ns);
 	f->spread_ns = ns[(uint64_t)runs * 999 / 1000] - ns[runs / 2];
 	for (int i = 0; i < CALIBRATION_BUDGETS && !error; i++) {
-		const uint32_t n = fits(f, budget_ms[i]);
-
-		error = n ? batches(b, k, n, FEW, ns) : 0;
-		f->tried_ms[i] = n ? ns[FEW - 1] * 1e-6 : NAN;
+		f->samples[i] = fits(f, budget_ms[i]);
+		error = try_out(b, k, budget_ms[i], ns, &f->samples[i], &f->tried_ms[i]);
 	}
 	return error;
 }
@@ -162,7 +179,7 @@ static struct calibration to_keep(const struct mc_cuda_info *info, const struct 
 
 	for (int k = 0; k < CALIBRATION_KERNELS; k++) {
 		for (int i = 0; i < CALIBRATION_BUDGETS; i++) {
-			c.samples[k][i] = fits(&f[k], budget_ms[i]);
+			c.samples[k][i] = f[k].samples[i];
 		}
 	}
 	return c;

@@ -147,6 +147,20 @@ kill -INT $child
 wait $child
 is "replay ends on Ctrl-C" $? 1
 json "replay: with what it has" "$tmp/out" 'j["interrupted"] is True and j["frames"] > 0'
+for size in "100000000 64" "1000 400000" "2000000 64"; do # in batches, the resident set, rollouts
+	for json in "" --json; do
+		"$AEBMC" verify --samples ${size% *} --resident ${size#* } $json >"$tmp/out" 2>"$tmp/err" &
+		child=$!
+		sleep 2
+		kill -INT $child
+		wait $child
+		is "verify $json of $size ends on Ctrl-C" $? 1
+		is "and nothing went wrong" "$(cat "$tmp/err")" ""
+		[ "$json" ] || like "which it says" "$tmp/out" "^interrupted, not judged$"
+	done
+	json "verify: interrupted, not passed" "$tmp/out" 'j["interrupted"] is True and j["passed"] is False'
+done
+
 # idle COMMAND...: nothing more comes on standard input
 idle() {
 	mkfifo "$tmp/idle"

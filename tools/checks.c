@@ -222,12 +222,13 @@ static int run_batch(const struct checks *c, int i, uint32_t threads, const stru
 	if (error) {
 		return error;
 	}
-	error = ops->run(b, req, NULL, &ret->res);
+	error = ops->run(b, req, cli_catch_interrupt(), &ret->res);
 	if (!error) {
 		ret->hist = *ops->hist(b);
 	}
 	ops->close(b);
-	return error;
+	return !error && cli_interrupted() ? -EINTR
+					   : error; /* cut short, it must not be compared */
 }
 
 static int compare_batches(struct checks *c, const struct mc_request *req, struct batch *first,
@@ -286,7 +287,7 @@ static int true_headways(const struct checks *c, double headway_m[MC_RISKS])
 	error = c->contender[0].ops->run(b, &req, cli_catch_interrupt(), &res);
 	memcpy(headway_m, res.headway_m, sizeof(res.headway_m));
 	c->contender[0].ops->close(b);
-	return error;
+	return !error && cli_interrupted() ? -EINTR : error;
 }
 
 int checks_resident(struct checks *c)
@@ -312,16 +313,26 @@ int checks_resident(struct checks *c)
 	return error;
 }
 
-int checks_good(const struct checks *c)
+int checks_bad(const struct checks *c)
 {
-	int good = c->differing == 0;
+	int bad = c->differing != 0;
 
 	for (int k = 0; k < CHECKS_KINDS; k++) {
 		const struct verify_tally *t = &c->tally[k];
 
-		good &= t->scenes > 0 && t->verdict_mismatches == 0 && t->not_finite == 0 &&
-			t->stop_dev_m <= CHECKS_STOP_MAX_M &&
-			t->impact_dev_mps <= CHECKS_IMPACT_MAX_MPS;
+		bad |= t->verdict_mismatches != 0 || t->not_finite != 0 ||
+		       !(t->stop_dev_m <= CHECKS_STOP_MAX_M) ||
+		       !(t->impact_dev_mps <= CHECKS_IMPACT_MAX_MPS);
 	}
-	return good;
+	return bad;
+}
+
+int checks_good(const struct checks *c)
+{
+	int done = 1;
+
+	for (int k = 0; k < CHECKS_KINDS; k++) {
+		done &= c->tally[k].scenes > 0;
+	}
+	return done && !checks_bad(c);
 }

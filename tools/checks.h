@@ -45,14 +45,18 @@ extern const uint32_t checks_threads[];
  * 0, -EINTR with what was done so far once cli_interrupted(), -errno of a backend. Allocates. */
 int checks_rollouts(struct checks *c);
 
-/** checks_batches - whole batches of @samples through every contender, on the CPU with 1, 2 and 4 threads. 0 or -errno. */
+/** checks_batches - whole batches of @samples through every contender, on the CPU with 1, 2 and 4 threads. 0, -EINTR,
+ * -errno. */
 int checks_batches(struct checks *c);
 
 /** checks_resident - the risk that the resident set gives at headways where a far larger set gives 5, 1 and 0.1 %, of
- * the paper's scene. 0 or -errno. */
+ * the paper's scene. 0, -EINTR, -errno. */
 int checks_resident(struct checks *c);
 
-/** checks_good - 1 if everything measured is within its limits. Pure. */
+/** checks_bad - 1 if anything measured so far differs or is past its limits. Pure. */
+int checks_bad(const struct checks *c);
+
+/** checks_good - 1 if both kinds of scenes were measured and nothing is bad. Pure. */
 int checks_good(const struct checks *c);
 
 #endif

@@ -106,6 +106,12 @@ static int measure(struct checks *c)
 
 /* ---- output ------------------------------------------------------------------------------------ */
 
+/* Equal bits after half of the comparisons say nothing; different ones do. */
+static int is_known(const struct checks *c)
+{
+	return !cli_interrupted() || c->differing;
+}
+
 static void json_tally(struct json *j, const char *key, const struct verify_tally *t)
 {
 	json_open(j, key, '{');
@@ -167,7 +173,9 @@ static void write_json(const struct args *a, const struct checks *c)
 	json_num(&j, "max_stop_dev_m", fmax(paper->stop_dev_m, moving->stop_dev_m));
 	json_num(&j, "max_impact_dev_mps", fmax(paper->impact_dev_mps, moving->impact_dev_mps));
 	json_uint(&j, "verdict_mismatches", paper->verdict_mismatches + moving->verdict_mismatches);
-	json_bool(&j, "bits_equal", c->differing == 0);
+	if (is_known(c)) {
+		json_bool(&j, "bits_equal", c->differing == 0);
+	}
 	json_open(&j, "threads_used", '[');
 	for (int i = 0; i < CHECKS_THREADS; i++) {
 		json_uint(&j, NULL, checks_threads[i]);
@@ -177,9 +185,11 @@ static void write_json(const struct args *a, const struct checks *c)
 	for (int k = 0; k < CHECKS_KINDS; k++) {
 		json_tally(&j, kind_key[k], &c->tally[k]);
 	}
-	json_resident(&j, c);
+	if (!cli_interrupted()) {
+		json_resident(&j, c);
+	}
 	json_bool(&j, "interrupted", cli_interrupted());
-	json_bool(&j, "passed", checks_good(c));
+	json_bool(&j, "passed", !cli_interrupted() && checks_good(c));
 	json_close(&j, '}');
 }
 
@@ -216,12 +226,8 @@ static void print_bits(const struct checks *c)
 	}
 }
 
-static void print_words(const struct checks *c)
+static void print_resident(const struct checks *c)
 {
-	for (int k = 0; k < CHECKS_KINDS; k++) {
-		print_tally(kind_words[k], &c->tally[k]);
-	}
-	print_bits(c);
 	printf("The resident set (%u %s draws, seed %llu) has an error of its own, the same all "
 	       "day:\n",
 	       c->params.n_resident, c->params.kind == MC_SOBOL ? "Sobol" : "Philox",
@@ -233,8 +239,28 @@ static void print_words(const struct checks *c)
 		       (c->set_p[i] > 0 ? c->set_p[i] : c->set_hi[i]) * 100, c->set_lo[i] * 100,
 		       c->set_hi[i] * 100);
 	}
-	printf("%s%s\n", cli_interrupted() ? "Interrupted; so far: " : "",
-	       checks_good(c) ? "passed" : "FAILED");
+}
+
+static const char *verdict(const struct checks *c)
+{
+	if (cli_interrupted()) {
+		return checks_bad(c) ? "interrupted; so far: FAILED" : "interrupted, not judged";
+	}
+	return checks_good(c) ? "passed" : "FAILED";
+}
+
+static void print_words(const struct checks *c)
+{
+	for (int k = 0; k < CHECKS_KINDS; k++) {
+		print_tally(kind_words[k], &c->tally[k]);
+	}
+	if (is_known(c)) {
+		print_bits(c);
+	}
+	if (!cli_interrupted()) {
+		print_resident(c);
+	}
+	puts(verdict(c));
 }
 
 int cmd_verify(int argc, char **argv)
@@ -264,5 +290,5 @@ int cmd_verify(int argc, char **argv)
 	} else {
 		print_words(&c);
 	}
-	return error || !checks_good(&c) ? CLI_FAILED : CLI_GOOD;
+	return cli_interrupted() || !checks_good(&c) ? CLI_FAILED : CLI_GOOD;
 }

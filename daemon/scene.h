@@ -40,9 +40,10 @@ struct scene {
 	uint32_t lead_id;                 /* changes when another object becomes the lead */
 	uint32_t lead_scans;              /* scans it has been followed */
 	int64_t oldest_input_ns;          /* age of the oldest input used [ns] */
-	int driver_brake, driver_accel;   /* 1 pressed (accelerator: past driver.override), 0 not, -1 unknown */
-	double yaw_rate_radps;            /* 0 when not mapped */
-	uint32_t fault;                   /* fault.def bits (FAULT_BIT) raised by the inputs */
+	int driver_brake,
+		driver_accel; /* 1 pressed (accelerator: past driver.override), 0 not, -1 unknown */
+	double yaw_rate_radps; /* 0 when not mapped */
+	uint32_t fault;        /* fault.def bits (FAULT_BIT) raised by the inputs */
 };
 
 #endif

@@ -15,6 +15,7 @@
 #include "live.h"
 #include "mapping.h"
 #include "pipeline.h"
+#include "streams.h"
 
 enum exit_code { EXIT_GOOD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_CONFIG = 78 };
 
@@ -267,6 +268,7 @@ int main(int argc, char **argv)
 	};
 	struct args a;
 
+	streams_ensure();
 	signal(SIGPIPE,
 	       SIG_IGN); /* a closed pipe is an error of the write, with a line and a code */
 	return args_parse(argc, argv, &a) ? EXIT_USAGE : action[a.action](&a);

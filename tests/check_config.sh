@@ -110,4 +110,7 @@ is "the output is named" "$(cat "$tmp/err")" "aebmcd: /dev/full: No space left o
 exits "frames to a closed pipe" 1 sh -c "\"$d\" $run --out - >&3"
 is "standard output is named" "$(cat "$tmp/err")" "aebmcd: standard output: Broken pipe"
 exec 3>&-
+exits "frames to a closed standard output" 1 sh -c "\"$d\" $run --out - >&-"
+is "which is named" "$(cat "$tmp/err")" "aebmcd: standard output: Bad file descriptor"
+exits "all three closed" 1 sh -c "exec \"$d\" $run --out - <&- >&- 2>&-"
 done_testing

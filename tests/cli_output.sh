@@ -130,6 +130,16 @@ for sub in "curve --samples 1000 --csv -" "decode $ours" "replay --config $car -
 	gone "$AEBMC" $sub
 done
 
+# standard streams that are closed: no file may take their place
+exits "replay --out - to a closed standard output" 1 sh -c "\"$AEBMC\" replay --config $car --out - \"$drive\" >&-"
+is "one line says so" "$(cat "$tmp/err")" "aebmc replay: standard output: Bad file descriptor"
+exits "curve to a closed standard output" 1 sh -c "\"$AEBMC\" curve --samples 1000 >&-"
+is "in one line, too" "$(cat "$tmp/err")" "aebmc: standard output: Bad file descriptor"
+exits "replay of a closed standard input" 1 sh -c "\"$AEBMC\" replay --config $car --out \"$tmp/x.log\" --csv /dev/null - <&-"
+like "one line names it" "$tmp/err" "^aebmc replay: -: Bad file descriptor"
+exits "replay without any: its words are lost" 1 sh -c "\"$AEBMC\" replay --config $car --out \"$tmp/x.log\" --csv /dev/null \"$drive\" <&- >&- 2>&-"
+ok "not its frames" cmp "$tmp/x.log" "$ours"
+
 # Ctrl-C
 "$AEBMC" curve --samples 4000000000 >"$tmp/out" 2>"$tmp/err" &
 child=$!

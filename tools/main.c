@@ -11,6 +11,7 @@
 #include "build_info.h"
 #include "cli.h"
 #include "cmd.h"
+#include "streams.h"
 #include "text.h"
 
 struct cmd {
@@ -95,6 +96,7 @@ int main(int argc, char **argv)
 {
 	const struct cmd *cmd = argc > 1 ? find(argv[1]) : NULL;
 
+	streams_ensure();
 	signal(SIGPIPE, SIG_IGN);
 	atexit(close_stdout);
 	if (argc < 2) {

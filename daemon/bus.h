@@ -130,7 +130,7 @@ int bus_socketcan_iface(const struct bus *b, int i);
  * blank and # lines as comments. Allocates one line buffer; a longer line is counted malformed and skipped.
  * Virtual time: the first recv() gives the first frame whatever its deadline, and its stamp starts the clock. Each
  * later one gives the frames of one stamp. Stamps up to 1 s back are clamped to the last one; further back, or more than
- * 600 s ahead, the recorder's clock was set: time goes on from the last stamp. Both count as disorder.
+ * 60 s ahead, the recorder's clock was set: time goes on from the last stamp. Both count as disorder.
  * send() blocks while a pipe is full, and fails with -EPIPE once its reader is gone (where SIGPIPE is ignored).
  * After a send() that failed, recv() returns that error. recv() returns -EINTR if a signal's handler ran while it waited
  * for input; call it again to go on.

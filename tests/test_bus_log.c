@@ -292,6 +292,24 @@ static void disorder_is_clamped_and_counted(void **state)
 	b->ops->close(b);
 }
 
+static void only_a_minute_is_believed(void **state)
+{
+	static const char text[] = "(100.000000) can0 001#\n"
+				   "(160.000000) can0 002#\n"
+				   "(220.000001) can0 003#\n";
+	struct bus *b = open_text(text, strlen(text), NULL);
+	struct bus_frame f[8];
+	int64_t now;
+
+	(void)state;
+	assert_int_equal(b->ops->recv(b, f, 8, CLOCK_NEVER, &now), 1);
+	assert_int_equal(b->ops->recv(b, f, 8, CLOCK_NEVER, &now), 2);
+	assert_int_equal(f[0].t_ns, 160000 * MS);
+	assert_int_equal(f[1].t_ns, 160000 * MS);
+	assert_int_equal(b->ops->stats(b)->disorder, 1);
+	b->ops->close(b);
+}
+
 static void what_is_no_frame_is_counted_and_the_rest_used(void **state)
 {
 	static const char text[] = "# a comment\n\n"
@@ -602,6 +620,7 @@ int main(void)
 		cmocka_unit_test(virtual_time_stops_at_every_deadline),
 		cmocka_unit_test(frames_of_one_stamp_may_need_several_calls),
 		cmocka_unit_test(disorder_is_clamped_and_counted),
+		cmocka_unit_test(only_a_minute_is_believed),
 		cmocka_unit_test(what_is_no_frame_is_counted_and_the_rest_used),
 		cmocka_unit_test(last_line_needs_no_newline),
 		cmocka_unit_test(endless_lines_are_skipped),

@@ -11,6 +11,7 @@
 #include "text.h"
 
 static const char blanks[] = " \t";
+static const char mark[] = "\xEF\xBB\xBF"; /* of byte order: some editors put it first */
 
 int ini_fail(const struct ini *ini, const struct ini_entry *e, const char *fmt, ...)
 {
@@ -210,7 +211,9 @@ static int read_entries(struct ini *ini, FILE *f)
 		char *line;
 
 		text[strcspn(text, "#")] = '\0';
-		line = trim(text);
+		line = e.line == 1 && !strncmp(text, mark, strlen(mark)) ? text + strlen(mark)
+									 : text;
+		line = trim(line);
 		e.key[0] = e.value[0] = '\0';
 		if (!line[0]) {
 			continue;

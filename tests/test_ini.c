@@ -113,6 +113,17 @@ static void bytes_that_strings_cannot_hold(void **state)
 	refused(early, sizeof(early) - 1, ":1: byte 0x00 in column 1 is no text");
 }
 
+static void byte_order_mark_is_skipped(void **state)
+{
+	static const char text[] = "\xEF\xBB\xBF[road]\nmu = 1\n",
+			  later[] = "\n\xEF\xBB\xBF[road]\n";
+
+	(void)state;
+	accepted(text, sizeof(text) - 1, 2);
+	accepted(text, 3, 0);
+	refused(later, sizeof(later) - 1, ":2: ");
+}
+
 static void long_things(void **state)
 {
 	static char text[1 << 20];
@@ -189,6 +200,7 @@ int main(void)
 		cmocka_unit_test(errors_are_named),
 		cmocka_unit_test(entries_are_found),
 		cmocka_unit_test(bytes_that_strings_cannot_hold),
+		cmocka_unit_test(byte_order_mark_is_skipped),
 		cmocka_unit_test(long_things),
 		cmocka_unit_test(files_that_are_none),
 		cmocka_unit_test(short_error_buffer),

@@ -15,6 +15,7 @@ for what in commit compiler cuda contract; do
 	is "--version: both programs name the same $what" "$("$AEBMC" --version | grep "^$what  *[^ ]")" \
 		"$("$O/aebmcd" --version | grep "^$what  *[^ ]" || echo none)"
 done
+exits "help help" 0 "$AEBMC" help help
 exits "help" 0 "$AEBMC" help
 for sub in $subs; do
 	like "help lists $sub" "$tmp/out" "^  $sub "
@@ -78,6 +79,8 @@ refuses 2 "$AEBMC" replay --config "$car" --csv - --out - -
 refuses 2 "$AEBMC" replay --config "$car" --requests a.requests b.log
 refuses 2 "$AEBMC" replay --config "$car" --requests a.requests --csv -
 refuses 1 "$AEBMC" replay --config "$car" --requests "$tmp/nosuch.requests"
+refuses 1 "$AEBMC" replay --config "$car" --requests "$tmp"
+like "it is a directory" "$tmp/err" "Is a directory"
 refuses 1 "$AEBMC" replay --config "$car" "$tmp/nosuch.log"
 refuses 1 "$AEBMC" replay --config "$car" "$tmp"
 refuses 1 "$AEBMC" replay --config "$car" --out "$tmp/no/such/dir" -
@@ -87,4 +90,7 @@ refuses 2 "$AEBMC" decode a.log b.log
 refuses 1 "$AEBMC" decode "$tmp/nosuch.log"
 refuses 1 "$AEBMC" decode "$tmp"
 refuses 1 "$AEBMC" decode -
+printf '\3757zXZ\n' >"$tmp/a.log.xz"
+refuses 1 "$AEBMC" decode "$tmp/a.log.xz"
+like "it says how to unpack" "$tmp/err" "xz -dc"
 done_testing

@@ -143,6 +143,13 @@ static void decode_json(FILE *in, const struct publish *p, struct counts *n)
 	json_close(&j, '}');
 }
 
+static int is_packed(const char *path)
+{
+	size_t n = strlen(path);
+
+	return n > 3 && !strcmp(path + n - 3, ".xz");
+}
+
 static int run(const char *name, const struct args *a, const struct publish *p, FILE *in)
 {
 	struct counts n = {0};
@@ -159,8 +166,11 @@ static int run(const char *name, const struct args *a, const struct publish *p, 
 		return cli_error(CLI_FAILED, name, "%s: %s", a->log, strerror(errno));
 	}
 	return n.ours ? CLI_GOOD
-		      : cli_error(CLI_FAILED, name, "%s: none of %llu frames is ours", a->log,
-				  (unsigned long long)n.others);
+		      : cli_error(CLI_FAILED, name, "%s: none of %llu frames is ours%s", a->log,
+				  (unsigned long long)n.others,
+				  is_packed(a->log)
+					  ? "; unpack it first: xz -dc LOG.xz | aebmc decode -"
+					  : "");
 }
 
 int cmd_decode(int argc, char **argv)

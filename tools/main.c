@@ -64,7 +64,7 @@ static int help(const char *name)
 	char option[] = "--help";
 	char *argv[] = {NULL, option, NULL};
 
-	if (name) {
+	if (name && strcmp(name, "help") != 0) {
 		const struct cmd *cmd = find(name);
 
 		return cmd ? run(cmd, 2, argv) : unknown(name);

@@ -57,8 +57,10 @@ static int compare_all(FILE *in, struct mc *mc, struct tally *t)
 		}
 		error = error ? 0 : compare(mc, &req, want, t, line);
 	}
+	const int failure = errno; /* of a read: EISDIR, EIO */
+
 	free(text);
-	return error ? error : ferror(in) ? -EIO : 0;
+	return error ? error : ferror(in) && !cli_interrupted() ? -failure : 0;
 }
 
 static void report(const struct tally *t, enum publish_backend which, int as_json)

@@ -6,6 +6,7 @@
 
 #include "lanes.h"
 
+#define GROUP 16  /* lanes that a late correction runs for */
 #define LANES 128 /* lanes a block: the fields that a stage touches stay in the first-level cache */
 
 /* Every field of struct rollout as an array over lanes. */

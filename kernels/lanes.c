@@ -21,19 +21,21 @@ _Static_assert(offsetof(struct lanes_block, delay) == MODEL_DELAY * LANES * size
 #define STORE(name) b->name[i] = r.name;
 
 /* Fields that a stage leaves alone are loaded and stored for nothing; the compiler drops both. */
-#define LANE_STAGE(stage, call)                                               \
-	LANE_LOOP void lane_##stage(struct lanes_block *restrict b,           \
-				    const struct rollout_plan *restrict plan) \
-	{                                                                     \
-		const struct rollout_plan p = *plan;                          \
-		for (int i = 0; i < LANES; i++) {                             \
-			struct rollout r;                                     \
-			ROLLOUT_FIELDS(LOAD)                                  \
-			call;                                                 \
-			ROLLOUT_FIELDS(STORE)                                 \
-		}                                                             \
-		(void)p;                                                      \
+#define LANES_DO(name, count, call)                                              \
+	LANE_LOOP void name(struct lanes_block *restrict b,                      \
+			    const struct rollout_plan *restrict plan, int first) \
+	{                                                                        \
+		const struct rollout_plan p = *plan;                             \
+		for (int i = first; i < first + (count); i++) {                  \
+			struct rollout r;                                        \
+			ROLLOUT_FIELDS(LOAD)                                     \
+			call;                                                    \
+			ROLLOUT_FIELDS(STORE)                                    \
+		}                                                                \
+		(void)p;                                                         \
 	}
+#define LANE_STAGE(stage, call) LANES_DO(lane_##stage, LANES, call)
+#define LANE_GROUP(stage, call) LANES_DO(group_##stage, GROUP, call)
 
 LANE_STAGE(scene, rollout_scene(&r, &p))
 LANE_STAGE(coast, rollout_coast(&r, &p))
@@ -55,6 +57,10 @@ LANE_STAGE(approach, rollout_approach(&r))
 LANE_STAGE(hit, rollout_hit(&r))
 LANE_STAGE(hit_guess, rollout_hit_guess(&r))
 LANE_STAGE(contact, rollout_contact(&r))
+LANE_GROUP(fade, rollout_fade(&r))
+LANE_GROUP(at, rollout_at(&r))
+LANE_GROUP(approach, rollout_approach(&r))
+LANE_GROUP(contact, rollout_contact(&r))
 
 LANE_LOOP void lane_end(struct lanes_block *restrict b, const struct rollout_plan *restrict plan,
 			uint32_t *restrict flags)
@@ -84,6 +90,16 @@ LANE_LOOP int lane_wanted(const float *restrict want)
 	uint32_t any = 0;
 
 	for (int i = 0; i < LANES; i++) {
+		any |= det_bits(want[i]);
+	}
+	return any != 0;
+}
+
+static int group_wanted(const float *restrict want)
+{
+	uint32_t any = 0;
+
+	for (int i = 0; i < GROUP; i++) {
 		any |= det_bits(want[i]);
 	}
 	return any != 0;
@@ -148,20 +164,33 @@ LANE_LOOP void lane_bins(struct lanes_work *restrict w, float mean_headway_m, ui
 	}
 }
 
+/* What the first correction leaves to do is done where some lane of a group needs it. */
+static void correct(struct lanes_block *b, const struct rollout_plan *p, int max,
+		    void (*step)(struct lanes_block *restrict, const struct rollout_plan *restrict,
+				 int))
+{
+	for (int first = 0; first < LANES; first += GROUP) {
+		for (int i = 1; i < max && group_wanted(b->want + first); i++) {
+			group_fade(b, p, first);
+			group_at(b, p, first);
+			step(b, p, first);
+		}
+	}
+}
+
 static void impact(struct lanes_block *b, const struct rollout_plan *p)
 {
-	lane_hit_guess(b, p);
-	for (int i = 0; i < ROLLOUT_CONTACT_MAX && lane_wanted(b->want); i++) {
-		lane_fade(b, p);
-		lane_at(b, p);
-		lane_contact(b, p);
-	}
+	lane_hit_guess(b, p, 0);
+	lane_fade(b, p, 0);
+	lane_at(b, p, 0);
+	lane_contact(b, p, 0);
+	correct(b, p, ROLLOUT_CONTACT_MAX, group_contact);
 }
 
 /* None of this depends on the future a lane comes from. */
 static void pool_flush(struct lanes_work *w, const struct lanes_job *job)
 {
-	lane_hit(&w->pool, &job->future[0]);
+	lane_hit(&w->pool, &job->future[0], 0);
 	impact(&w->pool, &job->future[0]);
 	for (uint32_t i = 0; i < w->pooled; i++) {
 		const uint32_t f = w->pool_future[i];
@@ -206,7 +235,7 @@ static void impact_all(struct lanes_work *w, const struct lanes_job *job, uint32
 {
 	struct lanes_block *b = &w->block;
 
-	lane_hit(b, &job->future[future]);
+	lane_hit(b, &job->future[future], 0);
 	lane_mask(b->want, w->flags);
 	impact(b, &job->future[future]);
 	if (job->sums) {
@@ -265,45 +294,51 @@ static void put(struct lanes_work *w, const struct lanes_job *job, uint32_t n, u
 
 static void brake(struct lanes_block *b, const struct rollout_plan *p)
 {
-	lane_match(b, p);
-	lane_kink_time(b, p);
-	lane_kink(b, p);
-	lane_stop(b, p);
+	lane_match(b, p, 0);
+	lane_kink_time(b, p, 0);
+	lane_kink(b, p, 0);
+	lane_stop(b, p, 0);
 	if (lane_wanted(b->want)) {
-		lane_short(b, p);
+		lane_short(b, p, 0);
 		for (int i = 0; i < ROLLOUT_SHORT_STEPS; i++) {
-			lane_fade(b, p);
-			lane_at(b, p);
-			lane_short_step(b, p);
+			lane_fade(b, p, 0);
+			lane_at(b, p, 0);
+			lane_short_step(b, p, 0);
 		}
 	}
-	lane_late(b, p);
+	lane_late(b, p, 0);
 	if (lane_wanted(b->want)) {
-		lane_fade(b, p);
-		lane_at(b, p);
-		lane_roll(b, p);
+		lane_fade(b, p, 0);
+		lane_at(b, p, 0);
+		lane_roll(b, p, 0);
 	}
-	if (lane_wanted(b->lead_stop)) {
-		lane_near(b, p);
-		lane_near_fit(b, p);
-		lane_near_root(b, p);
-		for (int i = 0; i < ROLLOUT_APPROACH_MAX && lane_wanted(b->want); i++) {
-			lane_fade(b, p);
-			lane_at(b, p);
-			lane_approach(b, p);
-		}
-	}
+}
+
+static void approach(struct lanes_block *b, const struct rollout_plan *p)
+{
+	lane_near(b, p, 0);
+	lane_near_fit(b, p, 0);
+	lane_near_root(b, p, 0);
+	lane_fade(b, p, 0);
+	lane_at(b, p, 0);
+	lane_approach(b, p, 0);
+	correct(b, p, ROLLOUT_APPROACH_MAX, group_approach);
 }
 
 static void roll(struct lanes_work *w, const struct rollout_plan *p)
 {
-	lane_coast(&w->block, p);
+	struct lanes_block *b = &w->block;
+
+	lane_coast(b, p, 0);
 	if (rollout_brakes(p)) {
-		brake(&w->block, p);
+		brake(b, p);
+		if (lane_wanted(b->lead_stop)) {
+			approach(b, p);
+		}
 	} else {
-		lane_unbraked(&w->block, p);
+		lane_unbraked(b, p, 0);
 	}
-	lane_end(&w->block, p, w->flags);
+	lane_end(b, p, w->flags);
 }
 
 /* The draws of a block; an incomplete one is filled up with copies of its first sample. */
@@ -357,7 +392,7 @@ static void block(struct lanes_work *w, const struct lanes_job *job, uint32_t fi
 		job->sums->n += n;
 		job->sums->floored += lane_count(w->lifted, n, 1);
 	}
-	lane_scene(&w->block, &job->future[0]);
+	lane_scene(&w->block, &job->future[0], 0);
 	for (uint32_t f = 0; f < job->n_futures; f++) {
 		future(w, job, first, n, f);
 	}

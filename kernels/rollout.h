@@ -10,7 +10,7 @@
 #include "rollout_ego.h"
 #include "rollout_gap.h"
 
-#define ROLLOUT_APPROACH_MAX 3 /* corrections after which what is found counts */
+#define ROLLOUT_APPROACH_MAX 8 /* corrections after which what is found counts */
 #define ROLLOUT_SHORT_STEPS  2
 #define ROLLOUT_CONTACT_MAX  24
 

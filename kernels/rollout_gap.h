@@ -88,8 +88,9 @@ HD void rollout_approach(struct rollout *r)
 	const float dv = r->al - r->at_dv;
 	const float ddv = det_fmaf(r->at_fe, r->rate, 2.0f * r->k * r->at_v * r->at_dv);
 	const float disc = det_fmaf(dv, dv, -2.0f * v * ddv);
-	const float top =
-		det_maxf(disc, v) < 0.0f ? 0.0f : -dv; /* falls short of the lead's speed: stay */
+	/* below zero: the lead's speed was not reached before, and will not be */
+	const float past = det_maxf(det_maxf(disc, v), dv);
+	const float top = past < 0.0f ? 0.0f : -dv;
 	const float num = disc > 0.0f ? -2.0f * v : top;
 	const float den = disc > 0.0f ? dv + det_sqrtf(det_maxf(disc, 0.0f)) : ddv;
 	const float step = num / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
@@ -97,11 +98,9 @@ HD void rollout_approach(struct rollout *r)
 	const float h = next - s, h2 = h * h;
 	const float third =
 		det_fmaf(r->at_fe * r->rate, r->rate, 2.0f * r->k * r->at_dv * r->at_dv);
-	const float more = third * h2 * h2 < 5e-4f ? 0.0f : 1.0f; /* /24: 0.02 mm left out below */
-	const float by =
-		more > 0.0f
-			? 0.0f
-			: h; /* a point of the path bounds the minimum, a poor expansion does not */
+	/* 1/24 of it is left out: 0.02 mm; a point of the path bounds the minimum, a poor expansion does not */
+	const float more = third * h2 * h2 < 5e-4f ? 0.0f : 1.0f;
+	const float by = more > 0.0f ? 0.0f : h;
 	const float rel = rollout_lead_x(r, t) - r->x1 - r->at_x +
 			  by * det_fmaf(by, det_fmaf(by, ddv * (1.0f / 6.0f), 0.5f * dv), v);
 

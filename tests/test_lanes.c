@@ -15,7 +15,7 @@
 #define GROUPS 12
 
 /* Of GROUPS groups of scenes, on any machine. */
-#define ALL_BITS 0xe21e031a399918e7u
+#define ALL_BITS 0x807fff8459a3a37cu
 
 static float in[MODEL_INPUTS * COUNT];
 static struct model_out want[COUNT], got[COUNT];

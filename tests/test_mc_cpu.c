@@ -13,7 +13,7 @@
 
 /* Of the moving scene below. */
 #define MOVING_HITS   15379
-#define MOVING_IMPACT 125574781
+#define MOVING_IMPACT 125574782
 
 static struct mc_backend *open_backend(uint32_t resident, uint32_t threads, const char *variant)
 {

@@ -1,15 +1,15 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Every lane loop of kernels/lanes.c is vectorised in every vector variant: nothing but speed would tell. The loops are
-# the LANE_STAGE lines and every for in a LANE_LOOP function; the compiler reports on them when it builds the variant
-# with the Makefile's own flags. gcc 12 and clang 14 both vectorise all of them. TAP.
+# the LANE_STAGE and LANE_GROUP lines and every for in a LANE_LOOP function; the compiler reports on them when it builds
+# the variant with the Makefile's own flags. gcc 12 and clang 14 both vectorise all of them. TAP.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 SRC=kernels/lanes.c
 
 # loops: line numbers of the lane loops
 loops() {
-	awk '/^LANE_STAGE\(/ { print NR }
+	awk '/^LANE_(STAGE|GROUP)\(/ { print NR }
 	     /^LANE_LOOP .* lane_[a-z_]*\(/ { inside = 1 }
 	     /^}/ { inside = 0 }
 	     inside && /^\t+for \(/ { print NR }' $SRC

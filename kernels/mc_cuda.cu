@@ -78,7 +78,7 @@ static __device__ __forceinline__ uint32_t draw(const float *z, uint32_t stride,
 #define POOL_FEW 8u  /* colliding lanes below which a warp had better wait for more */
 
 /* What all threads of a block read, and where they add up. */
-struct block_memory {
+struct __align__(16) block_memory {
 	struct sample_plan sample;
 	struct rollout_plan roll;
 	uint64_t first;
@@ -160,12 +160,6 @@ static __device__ __forceinline__ void count_hist(const struct rollout *r,
 {
 }
 
-/* The cache lines of a warp's next draws, two for each row: one lane asks for all. */
-static __device__ __forceinline__ void prefetch(const float *p)
-{
-	asm volatile("prefetch.global.L2 [%0];" ::"l"(p));
-}
-
 /*
  * A warp is as slow as its slowest lane, and the impact speed of one lane takes as long as that of all. Where only a
  * few lanes collide their indices wait in the warp's pool until they fill a warp, and are rolled again from the start.
@@ -188,10 +182,6 @@ static __device__ void roll(const struct cuda_args *a, struct block_memory *s,
 
 		/* the plan stays in shared memory: as registers it would spill */
 		asm volatile("" ::: "memory");
-		if (!GENERATE && lane < 2 * MC_DIM && base + s->step < s->count) {
-			prefetch(s->draws + (size_t)(lane / 2) * s->stride + base + s->step +
-				 lane % 2 * 31);
-		}
 		pooled -= again ? n : 0;
 		if (lane < n) {
 			float in[MODEL_INPUTS];

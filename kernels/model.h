@@ -13,17 +13,17 @@
 /* Every input of a sample, in the order of struct mc_request and of the draws. The first five are
  * correlated (a filter's errors are); the rest are independent. */
 enum model_input {
-	MODEL_HEADWAY,   /* gap from ego front to lead rear at t = 0           [m]                */
-	MODEL_EGO_SPEED, /* v0                                                 [m/s], >= 0        */
-	MODEL_EGO_ACCEL, /* a0, net acceleration until the brake acts          [m/s2], signed     */
-	MODEL_LEAD_SPEED, /* vl                                                 [m/s], >= 0        */
-	MODEL_LEAD_ACCEL, /* al, constant down to standstill                    [m/s2], signed     */
-	MODEL_MU,    /* peak friction                                      [1], > 0           */
-	MODEL_GRADE, /* theta, uphill positive                             [rad], |.| <= 0.5  */
-	MODEL_MASS,  /* m                                                  [kg], > 0          */
-	MODEL_DRAG,  /* C_d                                                [1], >= 0          */
-	MODEL_TAU,   /* actuator time constant                             [s], > 0           */
-	MODEL_DELAY, /* from t = 0 to brake onset, before a future's extra [s], >= 0          */
+	MODEL_HEADWAY,    /* gap from ego front to lead rear at t = 0           [m]               */
+	MODEL_EGO_SPEED,  /* v0                                                 [m/s], >= 0       */
+	MODEL_EGO_ACCEL,  /* a0, net acceleration until the brake acts          [m/s2], signed    */
+	MODEL_LEAD_SPEED, /* vl                                                 [m/s], >= 0       */
+	MODEL_LEAD_ACCEL, /* al, constant down to standstill                    [m/s2], signed    */
+	MODEL_MU,         /* peak friction                                      [1], > 0          */
+	MODEL_GRADE,      /* theta, uphill positive                             [rad], |.| <= 0.5 */
+	MODEL_MASS,       /* m                                                  [kg], > 0         */
+	MODEL_DRAG,       /* C_d                                                [1], >= 0         */
+	MODEL_TAU,        /* actuator time constant                             [s], > 0          */
+	MODEL_DELAY,      /* from t = 0 to brake onset, before a future's extra [s], >= 0         */
 	MODEL_INPUTS
 };
 
@@ -50,10 +50,10 @@ struct model_future {
 
 /* What one rollout yields. All f32 so that CPU and GPU results compare with memcmp. */
 struct model_out {
-	float stop_m; /* distance travelled to standstill, eq. 3; at the horizon if still rolling  */
-	float need_m; /* headway at which the sample just touches: -min(x_lead - x_ego) over [0,T] */
-	float impact_mps; /* closing speed at first contact; 0 without contact                         */
-	uint32_t flags; /* MODEL_* below */
+	float stop_m;     /* travelled to standstill, eq. 3; to the horizon if still rolling */
+	float need_m;     /* headway that just touches: -min(x_lead - x_ego) over [0,T]      */
+	float impact_mps; /* closing speed at first contact; 0 without contact               */
+	uint32_t flags;   /* MODEL_* below                                                   */
 };
 #define MODEL_CONTACT   1u /* headway <= need */
 #define MODEL_ROLLING   2u /* ego still moving at the horizon */

@@ -102,9 +102,9 @@ static float moving_headway(struct dice *d, const struct rollout_plan *p,
 {
 	const float need = rollout_sample(p, in, 1).need_m;
 	const float by = det_expf(uniform(d, -7.6f, -2.2f)); /* 0.5 to 110 mm */
-	const float graze = det_maxf(need + (chance(d, 0.5f) ? by : -by), 0.0f);
+	const float side = chance(d, 0.5f) && need > by ? -by : by;
 
-	return chance(d, 0.5f) ? graze : uniform(d, 0.0f, chance(d, 0.5f) ? 30.0f : 200.0f);
+	return chance(d, 0.5f) ? need + side : uniform(d, 0.0f, chance(d, 0.5f) ? 30.0f : 200.0f);
 }
 
 static void moving_scenes(uint64_t seed, uint64_t group, struct verify_group *g)

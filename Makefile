@@ -294,7 +294,7 @@ dist:
 	$(call say,DIST,$(O)/$(DIST).tar.gz)
 
 format:
-	$(Q)clang-format -i $(wildcard kernels/*.[ch] can-dbc/*.[ch] daemon/*.[ch] tools/*.[ch] tests/*.[ch])
+	$(Q)clang-format -i $$(find kernels can-dbc daemon tools tests -name '*.[ch]' -o -name '*.cu')
 
 clean:
 	rm -rf $(O)

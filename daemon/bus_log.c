@@ -13,8 +13,8 @@
 #include "bus.h"
 #include "clock.h"
 
-#define LOG_LINE_MAX   65536                  /* no candump line exceeds 200 bytes */
-#define LOG_STEP_BACK  CLOCK_NS_PER_S         /* beyond these the recorder's clock was set, */
+#define LOG_LINE_MAX   65536                 /* no candump line exceeds 200 bytes */
+#define LOG_STEP_BACK  CLOCK_NS_PER_S        /* beyond these the recorder's clock was set, */
 #define LOG_STEP_AHEAD (60 * CLOCK_NS_PER_S) /* no time passed on the bus */
 
 struct bus_log {

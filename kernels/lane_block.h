@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * One thread's memory for the lane loops; private to lanes.c and lane_pick.c.
+ * One thread's memory for the lane loops; private to lane_loops.h, lanes.c and lane_pick.c.
  */
 #ifndef AEBMC_LANE_BLOCK_H
 #define AEBMC_LANE_BLOCK_H
@@ -22,7 +22,7 @@ struct lanes_work {
 	uint32_t lifted[LANES];
 	uint32_t stop_bin[LANES], need_bin[LANES];
 	struct lanes_block
-		pool; /* colliding lanes of several blocks and futures, collected for their impact speed */
+		pool; /* colliding lanes of several blocks and futures, for their impact */
 	uint32_t pool_future[LANES], pool_index[LANES];
 	uint32_t pooled;
 	float tail[MC_DIM][LANES]; /* the last, incomplete block's draws */

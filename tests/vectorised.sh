@@ -1,11 +1,11 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Every lane loop of kernels/lanes.c is vectorised in every vector variant: nothing but speed would tell. The loops are
+# Every loop of kernels/lane_loops.h is vectorised in every vector variant: nothing but speed would tell. The loops are
 # the LANE_STAGE and LANE_GROUP lines and every for in a LANE_LOOP function; the compiler reports on them when it builds
 # the variant with the Makefile's own flags. gcc 12 and clang 14 both vectorise all of them. TAP.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
-SRC=kernels/lanes.c
+SRC=kernels/lane_loops.h
 
 # loops: line numbers of the lane loops
 loops() {
@@ -28,8 +28,8 @@ scalar() {
 		return
 	}
 	loops | while read -r line; do
-		grep -qE "lanes\.c:$line:[0-9]+: $yes" "$tmp/vec" &&
-			! grep -qE "lanes\.c:$line:[0-9]+: $no" "$tmp/vec" ||
+		grep -qE "lane_loops\.h:$line:[0-9]+: $yes" "$tmp/vec" &&
+			! grep -qE "lane_loops\.h:$line:[0-9]+: $no" "$tmp/vec" ||
 			sed -n "${line}s/^[[:space:]]*/line $line: /p" $SRC
 	done
 }

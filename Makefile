@@ -69,6 +69,7 @@ TEST_SRC   := $(wildcard tests/test_*.c)
 # WITH_CUDA=auto|yes|no. nvcc compiles kernels/mc_cuda.cu alone, to machine code for Jetson Orin (sm_87), Hopper (sm_90)
 # and this machine's device. Without nvcc, or for another processor, backend cuda is refused by name.
 WITH_CUDA   ?= auto
+comma       := ,
 NVCC        := $(firstword $(shell command -v nvcc 2>/dev/null) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_ROOT   := $(patsubst %/bin/nvcc,%,$(realpath $(NVCC)))
 CUDA_FOUND  := $(and $(filter $(ARCH),$(shell uname -m)),$(wildcard $(CUDA_ROOT)/lib64/libcudart_static.a),$(shell command -v g++),$(NVCC))
@@ -92,6 +93,10 @@ $(O)/kernels/mc_cuda.cu.o: kernels/mc_cuda.cu tools/ptxas-report $(O)/flags
 		-MMD -MP -MF $(@:.o=.d) -c -o $@ $< 2>$@.log || { cat $@.log; exit 1; }
 	$(Q)tools/ptxas-report $@.log || { rm -f $@; exit 1; }
 	$(Q)printf '%s="%s"\n' NVCC '$(NVCC)' NVCC_FLAGS '$(NVCC_FLAGS)' CUDA_ROOT '$(CUDA_ROOT)' >$(O)/cuda.env
+# What auto found, once for each tree and whenever it changes.
+CUDA_WORDS := $(if $(HAVE_CUDA),$(NVCC) for sm_$(subst $() ,$(comma) sm_,$(CUDA_SM)),not built in (WITH_CUDA=$(WITH_CUDA)): backend cuda is refused by name)
+$(O)/cuda-found: FORCE
+	$(Q)mkdir -p $(O) && echo '$(CUDA_WORDS)' | cmp -s - $@ || { echo '$(CUDA_WORDS)' >$@; printf '  %-7s %s\n' CUDA '$(CUDA_WORDS)'; }
 # The same with kernels that do wrong on purpose; for tests/gpu/faults.c alone.
 $(O)/kernels/mc_cuda_faults.cu.o: kernels/mc_cuda.cu tests/gpu/faults.cuh $(O)/flags
 	$(call say,NVCC,$@)
@@ -107,7 +112,7 @@ TESTS      := $(patsubst tests/%.c,$(O)/tests/%,$(TEST_SRC))
 .DEFAULT_GOAL := all
 .PHONY: all clean demo format
 .SECONDARY:
-all: $(O)/aebmcd $(O)/aebmc
+all: $(O)/cuda-found $(O)/aebmcd $(O)/aebmc
 
 $(LIBMC): $(call obj,$(MC_SRC)) $(LANE_OBJ) $(CUDA_OBJ)
 	$(call say,AR,$@)

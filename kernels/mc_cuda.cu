@@ -78,7 +78,7 @@ static __device__ __forceinline__ uint32_t draw(const float *z, uint32_t stride,
 #define POOL_FEW 8u  /* colliding lanes below which a warp had better wait for more */
 
 /* What all threads of a block read, and where they add up. */
-struct __align__(16) block_memory {
+struct alignas(16) block_memory {
 	struct sample_plan sample;
 	struct rollout_plan roll;
 	uint64_t first;

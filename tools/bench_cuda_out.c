@@ -4,10 +4,6 @@
 #include <math.h>
 #include "bench_cuda.h"
 
-#define F32_PAPER \
-	247.0 /* f32 additions, multiplications and fused ones a sample, statistics included: */
-#define F32_MOVING 410.0 /* counted by ncu, tests/gpu/record-h200.txt */
-
 static const char *const column_key[BC_COLUMNS] = {"paper_kernel",     "paper_with_copies",
 						   "reference_kernel", "fast_kernel",
 						   "fast_run",         "cpu_simd"};
@@ -18,13 +14,6 @@ static const char *const main_words[BC_MAIN_ROWS] = {
 	"the paper's kernel (Sec. V), f64, 1 ms", "reference rollout, f64, 1 ms, lead and gap",
 	"fast, paper's scene, statistics and impact", "fast, moving lead, statistics and impact",
 	"fast, moving lead, four futures, everything"};
-
-static double f32_share(const struct bench_cuda *t, enum bench_cuda_row row)
-{
-	const double ops = (row == BC_MAIN_FAST ? F32_PAPER : F32_MOVING) * BENCH_CUDA_MAIN;
-
-	return ops / t->main[row].p50 / (MC_CUDA_PEAK_OPS / t->peak.p50);
-}
 
 static void json_timing(struct json *j, const char *key, const struct bench_cuda_timing *x)
 {
@@ -73,8 +62,6 @@ void bench_cuda_json(const struct bench_cuda *t, const struct compute_args *a)
 	}
 	json_num(&j, "paper_ratio", t->main[BC_MAIN_PAPER].p50 / t->main[BC_MAIN_FAST].p50);
 	json_num(&j, "moving_ratio", t->main[BC_MAIN_PAPER].p50 / t->main[BC_MAIN_MOVING].p50);
-	json_num(&j, "paper_f32_share", f32_share(t, BC_MAIN_FAST));
-	json_num(&j, "moving_f32_share", f32_share(t, BC_MAIN_MOVING));
 	json_close(&j, '}');
 	json_open(&j, "steps", '[');
 	for (int i = 0; i <= BENCH_CUDA_STEPS; i++) {
@@ -126,12 +113,8 @@ static void print_main(const struct bench_cuda *t)
 		printf("%-46s %10.1f %10.1f %14.0f\n", main_words[i], t->main[i].p50 * 1e-3,
 		       t->main[i].p99 * 1e-3, t->main[BC_MAIN_PAPER].p50 / t->main[i].p50);
 	}
-	printf("Measured f32 peak: %.1f T fused multiply-adds a second. The fast rollout's "
-	       "additions and "
-	       "multiplications issue at\n%.0f %% (paper's scene) and %.0f %% (moving lead) of "
-	       "it.\n\n",
-	       MC_CUDA_PEAK_OPS / t->peak.p50 * 1e-3, 100 * f32_share(t, BC_MAIN_FAST),
-	       100 * f32_share(t, BC_MAIN_MOVING));
+	printf("Measured f32 peak: %.1f T fused multiply-adds a second.\n\n",
+	       MC_CUDA_PEAK_OPS / t->peak.p50 * 1e-3);
 }
 
 static void print_steps(const struct bench_cuda *t)

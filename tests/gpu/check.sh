@@ -108,7 +108,7 @@ if section counters; then
 	if ncu --version >/dev/null 2>&1; then
 		ncu --clock-control none --profile-from-start off -k regex:batch --csv --metrics "$metrics" "$T/once" \
 			>"$dir/ncu.csv" 2>"$dir/ncu.err"
-		say "$(tests/gpu/counters.awk "$dir/ncu.csv")"
+		say "$(awk -f tests/gpu/counters.awk "$record" "$dir/ncu.csv")"
 	else
 		say "ok - hardware counters # SKIP needs ncu"
 		skipped=$((skipped + 1))

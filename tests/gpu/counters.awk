@@ -1,6 +1,6 @@
-#!/usr/bin/awk -f
 # SPDX-License-Identifier: MIT
-# From ncu's CSV of tests/gpu/once.c: where the kernel stands, and from that a projection for the Jetson modules.
+# From the record so far (times and peak, aebmc bench) and ncu's CSV of tests/gpu/once.c: where the kernel stands, and
+# from that a projection for the Jetson modules.
 # t = warp instructions / (SMs * 4 schedulers * clock * issue utilisation measured here), or, if longer, the draws'
 # bytes over the memory's bandwidth. The band is a factor of two either way: caches, clocks and schedulers differ.
 BEGIN {
@@ -18,6 +18,10 @@ function fields(line, out,    n, i, c, q, s) {
 	return n
 }
 
+/^Measured f32 peak:/ { peak = $4 }
+/^fast, paper.s scene, statistics/ { took[1] = $(NF - 2) }
+/^fast, moving lead, statistics/ { took[2] = $(NF - 2) }
+/^fast, moving lead, four futures/ { took[4] = $(NF - 2) }
 /^"ID"/ { n = fields($0, head); for (i = 1; i <= n; i++) { col[head[i]] = i } next }
 /^"[0-9]+"/ {
 	fields($0, f)
@@ -31,6 +35,10 @@ function fields(line, out,    n, i, c, q, s) {
 
 function m(i, key) { return value[i, key] }
 
+function f32_of(i) {
+	return m(i, "smsp__sass_thread_inst_executed_op_ffma_pred_on.sum") + m(i, "smsp__sass_thread_inst_executed_op_fadd_pred_on.sum") + m(i, "smsp__sass_thread_inst_executed_op_fmul_pred_on.sum")
+}
+
 END {
 	if (!rows) { print "not ok - no counters"; exit 1 }
 	printf "Counters of one batch of %d samples each (ncu; clocks as they are):\n", samples
@@ -39,7 +47,7 @@ END {
 	for (i = 1; i <= rows; i++) {
 		futures = i == 4 ? 4 : 1
 		inst = m(i, "smsp__inst_executed.sum"); threads = m(i, "smsp__thread_inst_executed.sum")
-		f32 = m(i, "smsp__sass_thread_inst_executed_op_ffma_pred_on.sum") + m(i, "smsp__sass_thread_inst_executed_op_fadd_pred_on.sum") + m(i, "smsp__sass_thread_inst_executed_op_fmul_pred_on.sum")
+		f32 = f32_of(i)
 		us = m(i, "gpu__time_duration.sum") * (unit["gpu__time_duration.sum"] ~ /^n/ ? 1e-3 : 1)
 		bytes = m(i, "dram__bytes_read.sum") * (unit["dram__bytes_read.sum"] ~ /^M/ ? 1 : unit["dram__bytes_read.sum"] ~ /^K/ ? 1e-3 : 1e-6)
 		printf "%-34s %9.1f %9.0f %9.1f %9.0f %9.1f %9.1f %9.0f %9.0f %9.1f\n", name[i], us, inst * 32 / samples / futures, threads / inst, f32 / samples / futures, \
@@ -52,6 +60,12 @@ END {
 		", memory " m(2, "smsp__average_warps_issue_stalled_long_scoreboard_per_issue_active.ratio") \
 		", shared memory and roots " m(2, "smsp__average_warps_issue_stalled_short_scoreboard_per_issue_active.ratio") \
 		", barrier " m(2, "smsp__average_warps_issue_stalled_barrier_per_issue_active.ratio")
+	for (i = 1; i <= 4 && peak; i++) {
+		if (took[i]) {
+			printf "%s: %.1f T f32 additions, multiplications and fused ones a second in the bench above, %.0f %% of the measured peak\n", \
+				name[i], f32_of(i) / took[i] * 1e-6, 100 * f32_of(i) / took[i] * 1e-6 / peak
+		}
+	}
 	print ""
 	print "PROJECTION, not a measurement: kernel time of one batch, ms, with a band of a factor of two either way."
 	print "t = max(warp instructions / (SMs * 4 * clock * issue share), N * 48 bytes / bandwidth); issue share as measured here."

@@ -173,15 +173,15 @@ check-unit: all tests
 SAN_SCRIPTS := $(filter tests/cli_%.sh tests/check_config.sh,$(SCRIPTS))
 SUB         := $(MAKE) WERROR=$(WERROR) RUN_FLAGS='$(RUN_FLAGS)' WITH_CUDA=no
 check-san: deps-check
-	$(Q)$(SUB) O=build/asan OPT='-O1 -g' SAN=address,undefined UNIT_SCRIPTS='$(SAN_SCRIPTS)' check-unit
-	$(Q)$(SUB) O=build/tsan OPT='-O1 -g' SAN=thread check-unit
+	+$(Q)$(SUB) O=build/asan OPT='-O1 -g' SAN=address,undefined UNIT_SCRIPTS='$(SAN_SCRIPTS)' check-unit
+	+$(Q)$(SUB) O=build/tsan OPT='-O1 -g' SAN=thread check-unit
 check-clang: deps-check
-	$(Q)$(SUB) O=build/clang CC=clang check-unit
+	+$(Q)$(SUB) O=build/clang CC=clang check-unit
 
 # 64-bit Arm: cross-built, run under emulation; tests compare results with the same known answers, bit for bit.
 ARM := aarch64-linux-gnu
 check-arm64: deps-arm64 all
-	$(Q)$(SUB) O=build/arm64 CC=$(ARM)-gcc CROSS=$(ARM)- WRAP='qemu-aarch64-static' check-unit
+	+$(Q)$(SUB) O=build/arm64 CC=$(ARM)-gcc CROSS=$(ARM)- WRAP='qemu-aarch64-static' check-unit
 	$(Q)O=build/arm64 HOST_O=$(O) tests/run $(RUN_FLAGS) --log build/arm64/log tests/arm64/same_bits.sh \
 		$(if $(HAVE_CUDA),tests/arm64/cuda.sh)
 

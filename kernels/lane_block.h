@@ -21,8 +21,8 @@ struct lanes_work {
 	uint32_t flags[LANES]; /* MODEL_* of the future at hand */
 	uint32_t lifted[LANES];
 	uint32_t stop_bin[LANES], need_bin[LANES];
-	struct lanes_block
-		pool; /* colliding lanes of several blocks and futures, for their impact */
+	/* colliding lanes of several blocks and futures, collected for their impact speed */
+	struct lanes_block pool;
 	uint32_t pool_future[LANES], pool_index[LANES];
 	uint32_t pooled;
 	float tail[MC_DIM][LANES]; /* the last, incomplete block's draws */

@@ -22,7 +22,8 @@ scalar() {
 	*) tell=-fopt-info-vec-all yes="optimized: loop vectorized" no="missed: couldn't vectorize loop" ;;
 	esac
 	rm -rf "$tmp/o"
-	make -s O="$tmp/o" CC="$2" WITH_CUDA=no EXTRA_CFLAGS="$tell $3" "$tmp/o/kernels/lanes_$1.o" >"$tmp/vec" 2>&1 || {
+	MAKEFLAGS='' make -s O="$tmp/o" CC="$2" SAN='' WITH_CUDA=no EXTRA_CFLAGS="$tell $3" "$tmp/o/kernels/lanes_$1.o" \
+		>"$tmp/vec" 2>&1 || {
 		show "$tmp/vec"
 		echo "does not build"
 		return

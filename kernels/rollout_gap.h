@@ -96,8 +96,9 @@ HD void rollout_approach(struct rollout *r)
 	const float step = num / (det_maxf(den, -den) > 1e-6f ? den : 1e-6f);
 	const float next = det_minf(det_maxf(s + step, r->near_lo), r->near_hi);
 	const float h = next - s, h2 = h * h;
+	const float pull = det_maxf(r->at_dv, -r->at_dv), drag = 2.0f * r->k * r->at_v * r->at_v;
 	const float third =
-		det_fmaf(r->at_fe * r->rate, r->rate, 2.0f * r->k * r->at_dv * r->at_dv);
+		det_fmaf(r->at_fe * r->rate, r->rate, 2.0f * r->k * pull * (pull + drag));
 	/* 1/24 of it is left out: 0.02 mm; a point of the path bounds the minimum, a poor expansion does not */
 	const float more = third * h2 * h2 < 5e-4f ? 0.0f : 1.0f;
 	const float by = more > 0.0f ? 0.0f : h;

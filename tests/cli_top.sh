@@ -42,7 +42,7 @@ like "a controller" "$tmp/out" '^can1 +down, bus-off.*248 errors.*restart 0 ms'
 ok "top --once --json" "$AEBMC" top --once --json --socket "$sock"
 json "is what the daemon said" "$tmp/out" 'j["schema"] == "aebmc.status.1" and j["counters"]["period_misses"] == 7'
 
-timeout --preserve-status -s INT 3 "$AEBMC" top --socket "$sock" >"$tmp/out"
+timeout --foreground --preserve-status -s INT 3 "$AEBMC" top --socket "$sock" >"$tmp/out"
 is "not on a terminal: ends on Ctrl-C" $? 0
 like "one line each time, no control characters" "$tmp/out" \
 	'^ARMED, none, ego 13.9 m/s, headway - m, P\(defer\) 0.01235, .*7 missed periods.*; MC_LATE$'

@@ -80,7 +80,7 @@ endif
 CUDA_SRC    := kernels/cuda_calls.c $(wildcard kernels/mc_cuda*.c)
 CUDA_NONE   := kernels/mc_cuda_none.c
 MC_SRC      := $(filter-out $(if $(HAVE_CUDA),$(CUDA_NONE),$(filter-out $(CUDA_NONE),$(CUDA_SRC))),$(MC_SRC))
-TEST_SRC    := $(filter-out $(if $(HAVE_CUDA),,tests/test_cuda.c),$(TEST_SRC))
+TEST_SRC    := $(filter-out $(if $(HAVE_CUDA),,tests/test_cuda%),$(TEST_SRC))
 CUDA_OBJ    := $(if $(HAVE_CUDA),$(O)/kernels/mc_cuda.cu.o)
 CUDA_CFLAGS := $(if $(HAVE_CUDA),-isystem $(CUDA_ROOT)/include)
 CUDA_LIBS   := $(if $(HAVE_CUDA),$(CUDA_ROOT)/lib64/libcudart_static.a -ldl -lrt)

@@ -77,7 +77,7 @@ static const char *arm(struct live *l, int on)
 	if (on && !l->seen.now.backend) {
 		return "{\"error\":\"not armed: the backend is not open yet\"}";
 	}
-	if (on && strcmp(state_name[l->seen.now.state], "FAULT") == 0) {
+	if (on && l->seen.now.state == STATE_FAULT) {
 		return "{\"error\":\"not armed: the state is FAULT, restart first\"}";
 	}
 	pipeline_arm(l->pipeline, on);
@@ -104,7 +104,8 @@ void housekeeping_answer(void *arg, const char *command, char *reply, size_t siz
 
 	if (strcmp(command, "status") == 0) {
 		answer_status(l, reply, size);
-	} else if (strcmp(command, "arm") == 0 && l->cfg->bus_transmit != 2) {
+	} else if (strcmp(command, "arm") == 0 &&
+		   l->cfg->bus_transmit != AEB_STATUS_TRANSMIT_ARMED) {
 		snprintf(reply, size, "{\"error\":\"not armed: bus.transmit is not armed\"}");
 	} else if (strcmp(command, "arm") == 0 || strcmp(command, "disarm") == 0) {
 		snprintf(reply, size, "%s", arm(l, command[0] == 'a'));
@@ -194,7 +195,7 @@ static int take_snapshot(struct live *l)
 /* A sign of life counts only if the real-time loop moved, and our frames came back from a bus that is up. */
 static int is_alive(const struct live *l)
 {
-	const int listening = l->seen.transmit == 0;
+	const int listening = l->seen.transmit == AEB_STATUS_TRANSMIT_NONE;
 	const int down = (l->seen.now.fault & (FAULT_BIT(BUS_DOWN) | FAULT_BIT(BUS_OFF))) != 0;
 
 	return l->seen.steps != l->fed_steps &&

@@ -23,7 +23,6 @@
 #define EVALS_KEPT  (1u << 10) /* 51 s at 20 Hz */
 
 enum policy { RT_OFF, RT_OPTIONAL, RT_REQUIRED };
-enum transmit { TRANSMIT_NONE, TRANSMIT_SHADOW, TRANSMIT_ARMED };
 
 /* ---- real-time thread ----------------------------------------------------------------------------- */
 
@@ -199,8 +198,9 @@ static int open_pipeline(struct live *l, char *err, int err_len)
 	const struct pipeline_open o = {.cfg = l->cfg,
 					.map = l->map,
 					.bus = l->bus,
-					.quiet = l->cfg->bus_transmit == TRANSMIT_NONE,
-					.needs_arm = l->cfg->bus_transmit == TRANSMIT_ARMED,
+					.quiet = l->cfg->bus_transmit == AEB_STATUS_TRANSMIT_NONE,
+					.needs_arm =
+						l->cfg->bus_transmit == AEB_STATUS_TRANSMIT_ARMED,
 					.recorder = l->recorder,
 					.clock = clock_now_ns};
 	int ret = pipeline_open(&o, &l->pipeline);

@@ -54,8 +54,6 @@ struct map_track {
 	struct map_signal existence; /* probability 0..1; optional */
 };
 
-enum map_scan_end { MAP_SCAN_ALL_SEEN, MAP_SCAN_GAP };
-
 struct config;
 struct ini;
 

@@ -21,7 +21,7 @@ void lex_fail(struct lex *lx, int rc, const char *fmt, ...)
 	lx->rc = rc;
 	int n = lx->line ? snprintf(lx->err, lx->err_size, "%s:%u: ", lx->name, lx->line)
 			 : snprintf(lx->err, lx->err_size, "%s: ", lx->name);
-	if (n >= 0 && (size_t)n < lx->err_size) {
+	if ((size_t)n < lx->err_size) {
 		va_list ap;
 		va_start(ap, fmt);
 		vsnprintf(lx->err + n, lx->err_size - (size_t)n, fmt, ap);
@@ -61,7 +61,7 @@ void lex_expect(struct lex *lx, char c, const char *where)
 {
 	if (lex_peek(lx) != c) {
 		unexpected(lx, (char[]){'\'', c, '\'', 0}, where);
-	} else if (!lx->rc) {
+	} else {
 		lx->p++;
 	}
 }

@@ -17,6 +17,8 @@
 
 #include "clock.h"
 
+#define SHORT_FD -7 /* takes all but the last byte */
+
 /* One injected message: what recvmmsg would have returned. */
 static struct {
 	int armed, error, flags;
@@ -24,13 +26,15 @@ static struct {
 	struct canfd_frame frame;
 	int64_t stamp_ns; /* 0: no control message */
 	uint32_t drops;   /* 0: no control message */
+	int level;        /* of the control messages, SOL_SOCKET unless said otherwise */
+	int other_type;   /* 0: none of a type we do not know */
 } inject;
 
 static void put_control(struct msghdr *h, int type, const void *data, size_t len)
 {
 	struct cmsghdr *c = (struct cmsghdr *)((char *)h->msg_control + h->msg_controllen);
 
-	c->cmsg_level = SOL_SOCKET;
+	c->cmsg_level = inject.level;
 	c->cmsg_type = type;
 	c->cmsg_len = CMSG_LEN(len);
 	memcpy(CMSG_DATA(c), data, len);
@@ -59,11 +63,21 @@ static int injected_recvmmsg(int fd, struct mmsghdr *m, unsigned n, int flags, s
 	if (inject.drops) {
 		put_control(&m->msg_hdr, SO_RXQ_OVFL, &inject.drops, sizeof(inject.drops));
 	}
+	if (inject.other_type) {
+		put_control(&m->msg_hdr, inject.other_type, &ts, sizeof(ts));
+	}
 	return 1;
 }
+
+static ssize_t injected_send(int fd, const void *data, size_t size, int flags)
+{
+	return fd == SHORT_FD ? (ssize_t)size - 1 : send(fd, data, size, flags);
+}
 #define recvmmsg injected_recvmmsg
+#define send     injected_send
 #include "../daemon/bus_rx.c"
 #undef recvmmsg
+#undef send
 
 static const struct bus_id own[] = {{0, 0x2A0}, {1, 0x2A1 | BUS_ID_EFF}};
 
@@ -81,6 +95,7 @@ static void reset(struct bus_rx *rx, int allow_local)
 	memset(&inject, 0, sizeof(inject));
 	inject.armed = 1;
 	inject.bytes = CAN_MTU;
+	inject.level = SOL_SOCKET;
 	inject.frame =
 		(struct canfd_frame){.can_id = 0x123, .len = 8, .data = {1, 2, 3, 4, 5, 6, 7, 8}};
 	inject.stamp_ns = real_ns();
@@ -235,6 +250,9 @@ static void test_error_frames_become_events(void **state)
 	assert_int_equal(read_one(&rx, &f), 0);
 	assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
 	assert_int_equal(rx.stats.error_frames, 3);
+	inject.frame.data[1] = CAN_ERR_CRTL_RX_OVERFLOW; /* not about the controller's state */
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(bus_rx_events(&rx), 0);
 }
 
 static void test_bus_off_belongs_to_its_interface(void **state)
@@ -321,6 +339,71 @@ static void test_remote_frames_keep_their_flag(void **state)
 	assert_int_equal(rx.stats.remote_frames, 1);
 }
 
+static void test_fd_frames_keep_their_flags(void **state)
+{
+	static const struct {
+		uint8_t can, bus;
+	} row[] = {{0, BUS_FD},
+		   {CANFD_BRS, BUS_FD | BUS_BRS},
+		   {CANFD_ESI, BUS_FD | BUS_ESI},
+		   {CANFD_BRS | CANFD_ESI, BUS_FD | BUS_BRS | BUS_ESI}};
+	struct bus_rx rx;
+	struct bus_frame f;
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		reset(&rx, 0);
+		inject.bytes = CANFD_MTU;
+		inject.frame.flags = row[i].can;
+		assert_int_equal(read_one(&rx, &f), 1);
+		assert_int_equal(f.flags, row[i].bus);
+	}
+	reset(&rx, 0);
+	inject.frame.flags = CANFD_BRS; /* a classic frame has none */
+	assert_int_equal(read_one(&rx, &f), 1);
+	assert_int_equal(f.flags, 0);
+}
+
+/* Only the two kinds of SOL_SOCKET are ours; a stamp under another level is none. */
+static void test_other_control_messages_are_ignored(void **state)
+{
+	struct bus_rx rx;
+	struct bus_frame f;
+
+	(void)state;
+	reset(&rx, 0);
+	inject.other_type = SCM_CREDENTIALS;
+	assert_int_equal(read_one(&rx, &f), 1);
+	assert_int_equal(rx.stats.stamps, 0);
+	inject.level = SOL_CAN_BASE;
+	inject.drops = 3;
+	assert_int_equal(read_one(&rx, &f), 1);
+	assert_int_equal(rx.stats.stamps, 1);
+	assert_int_equal(rx.stats.dropped, 0);
+}
+
+static void test_writes_carry_flags_or_fail(void **state)
+{
+	static const uint8_t flags[] = {BUS_RTR, BUS_FD, BUS_FD | BUS_BRS};
+	struct bus_frame f = {.id = 0x123, .len = 2};
+	struct canfd_frame c;
+	int fd[2];
+
+	(void)state;
+	assert_int_equal(socketpair(AF_UNIX, SOCK_SEQPACKET, 0, fd), 0);
+	for (size_t i = 0; i < sizeof(flags); i++) {
+		f.flags = flags[i];
+		assert_int_equal(bus_rx_write(fd[0], &f), 0);
+		assert_int_equal(recv(fd[1], &c, sizeof(c), 0),
+				 flags[i] & BUS_FD ? CANFD_MTU : CAN_MTU);
+		assert_int_equal(c.can_id, 0x123 | (flags[i] & BUS_RTR ? CAN_RTR_FLAG : 0));
+		assert_int_equal(c.flags, flags[i] & BUS_BRS ? CANFD_BRS : 0);
+	}
+	close(fd[0]);
+	close(fd[1]);
+	assert_int_equal(bus_rx_write(SHORT_FD, &f), -EIO);
+}
+
 static void test_read_errors_pass_through(void **state)
 {
 	struct bus_rx rx;
@@ -358,6 +441,9 @@ int main(void)
 		cmocka_unit_test(test_kernel_drops_are_counted_per_interface),
 		cmocka_unit_test(test_malformed_messages),
 		cmocka_unit_test(test_remote_frames_keep_their_flag),
+		cmocka_unit_test(test_fd_frames_keep_their_flags),
+		cmocka_unit_test(test_other_control_messages_are_ignored),
+		cmocka_unit_test(test_writes_carry_flags_or_fail),
 		cmocka_unit_test(test_read_errors_pass_through),
 		cmocka_unit_test(test_too_many_own_ids),
 	};

@@ -14,8 +14,10 @@
 #include <cmocka.h>
 #include "dbc.h"
 
-#define BO "BO_ 1 MSG: 8 X\n"
-#define SG " SG_ SIG : 0|8@1+ (1,0) [0|0] \"\" X\n"
+#define A4  "\"A\",\"A\",\"A\",\"A\","
+#define A16 A4 A4 A4 A4
+#define BO  "BO_ 1 MSG: 8 X\n"
+#define SG  " SG_ SIG : 0|8@1+ (1,0) [0|0] \"\" X\n"
 
 static const struct {
 	const char *text;
@@ -82,6 +84,8 @@ static const struct {
 	{BO "SG_ SIG : 0|8@1+ (1e308,0) [0|0] \"\" X", -EINVAL,
 	 "t.dbc:2: signal SIG: scale and offset overflow"},
 	{BO "SG_ SIG : 0|8@1+ (-7e305,-1e308) [0|0] \"\" X", -EINVAL,
+	 "t.dbc:2: signal SIG: scale and offset overflow"},
+	{BO "SG_ SIG : 0|8@1+ (7e305,-1e308) [0|0] \"\" X", -EINVAL,
 	 "t.dbc:2: signal SIG: scale and offset overflow"},
 	{BO "SG_ SIG : 0|8@1+ (1,0) [2|1] \"\" X", -EINVAL,
 	 "t.dbc:2: signal SIG: range [2|1] is empty: swap its ends"},
@@ -159,6 +163,15 @@ static const struct {
 	 "t.dbc:2: message MSG: 64 bytes, but its VFrameFormat is not CAN FD"},
 	{"BO_ 1 MSG: 12 X\nBA_DEF_ BO_ \"VFrameFormat\" ENUM \"A_FD\",\"B\";\nBA_ \"VFrameFormat\" "
 	 "BO_ 1 64;",
+	 -EINVAL, "t.dbc:3: message MSG: 12 bytes, but its VFrameFormat is not CAN FD"},
+	{"BO_ 1 MSG: 12 X\nBA_DEF_ BO_ \"VFrameFormat\" ENUM \"A_FD\";\nBA_ \"VFrameFormat\" "
+	 "BO_ 1 -1;",
+	 -EINVAL, "t.dbc:3: message MSG: 12 bytes, but its VFrameFormat is not CAN FD"},
+	{"BO_ 1 MSG: 12 X\nBA_DEF_ BO_ \"VFrameFormat\" INT 0 9;\nBA_ \"VFrameFormat\" BO_ 1 0;",
+	 -EINVAL, "t.dbc:3: message MSG: 12 bytes, but its VFrameFormat is not CAN FD"},
+	/* of a 65th kind of frame nothing is known, whatever its name */
+	{"BO_ 1 MSG: 12 X\nBA_DEF_ BO_ \"VFrameFormat\" ENUM " A16 A16 A16 A16
+	 "\"A_FD\";\nBA_ \"VFrameFormat\" BO_ 1 0;",
 	 -EINVAL, "t.dbc:3: message MSG: 12 bytes, but its VFrameFormat is not CAN FD"},
 	{BO "BA_DEF_ BO_ \"VFrameFormat\" ENUM \"A\", ;", -EINVAL,
 	 "t.dbc:2: BA_DEF_: '\"' expected, found ';'"},

@@ -17,6 +17,17 @@
 static unsigned calls_left; /* allocations that still succeed */
 static int read_mode;       /* 0: as it is; 1: one byte at a time; 2: ends early; 3: fails */
 
+static int stat_fails;
+
+static int odd_fstat(int fd, struct stat *st)
+{
+	if (stat_fails) {
+		errno = EIO;
+		return -1;
+	}
+	return fstat(fd, st);
+}
+
 static int refuse_call(void)
 {
 	return calls_left ? (calls_left--, 0) : 1;
@@ -56,6 +67,7 @@ static ssize_t odd_read(int fd, void *to, size_t size)
 #define calloc  scarce_calloc
 #define realloc scarce_realloc
 #define read    odd_read
+#define fstat   odd_fstat
 #include "../can-dbc/dbc_load.c"
 #include "../can-dbc/loader_frames.c"
 #include "../can-dbc/loader_values.c"
@@ -64,6 +76,7 @@ static ssize_t odd_read(int fd, void *to, size_t size)
 #undef calloc
 #undef realloc
 #undef read
+#undef fstat
 
 #define FILE_DBC "can-dbc/aebmc.dbc"
 
@@ -113,11 +126,25 @@ static void reads_may_be_odd(void **state)
 	}
 }
 
+static void file_may_not_say_its_size(void **state)
+{
+	char err[256] = "";
+
+	(void)state;
+	read_mode = 0;
+	calls_left = UINT_MAX;
+	stat_fails = 1;
+	assert_int_equal(load(err), -EIO);
+	assert_string_equal(err, FILE_DBC ": Input/output error");
+	stat_fails = 0;
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_allocation_may_fail),
 		cmocka_unit_test(reads_may_be_odd),
+		cmocka_unit_test(file_may_not_say_its_size),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

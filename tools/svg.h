@@ -27,7 +27,7 @@ enum svg_scale { SVG_LINEAR, SVG_LOG, SVG_NAMES };
 /* SVG_LOG: 0 < min < max. SVG_NAMES: name[i] stands at i, i in 0..n-1; min and max are not looked at; as y axis from the
  * top downwards. */
 struct svg_axis {
-	const char *label; /* with its unit; NULL on x: no numbers, as in the upper panels of a stack */
+	const char *label; /* with its unit; NULL on x: no numbers (upper panels of a stack) */
 	double min, max;
 	enum svg_scale scale;
 	double unit; /* numbers are written as multiples of it, 0: 1; 0.01 with percent in the label */

@@ -53,6 +53,9 @@ say "$(nvidia-smi --query-gpu=name,driver_version,clocks.max.sm,clocks.max.mem,c
 if section equality; then
 	run "$T/equal" 1048576 "${REFERENCE:-1048576}"
 fi
+if section stops; then
+	run "$T/stops"
+fi
 if section code; then
 	run tests/cuda_code.sh
 fi

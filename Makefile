@@ -159,7 +159,7 @@ $(O)/tests/gpu/%: $(O)/tests/gpu/%.o $(LIBD) $(LIBMC)
 check-gpu: all $(GPU_TESTS)
 	$(Q)O=$(O) tests/gpu/check.sh
 
-.PHONY: check check-unit check-san check-clang check-arm64 check-system tests
+.PHONY: check check-unit check-san check-clang check-arm64 check-system check-coverage check-mutants tests
 tests: $(TESTS)
 check: deps-check all tests
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log $(TESTS) $(SCRIPTS)
@@ -178,6 +178,24 @@ check-san: deps-check
 check-clang: deps-check
 	+$(Q)$(SUB) O=build/clang CC=clang check-unit
 
+# What protects the car is held closely: every line and branch of these files is tested, and what a mutant changes in
+# them is noticed (tests/mutate; SAMPLE=0 tries every mutant and takes about an hour, CI takes a share).
+HELD        = $(shell tests/mutate --files)
+HELD_TESTS  = $(wildcard $(foreach t,$(shell tests/mutate --tests),tests/test_$t.c))
+SAMPLE     ?= 100
+check-coverage: deps-check
+	+$(Q)$(SUB) O=build/coverage CC=gcc OPT='-O0 -g' EXTRA_CFLAGS=--coverage LDFLAGS=--coverage TEST_SRC='$(HELD_TESTS)' \
+		run-covered
+check-mutants: deps-check
+	+$(Q)$(SUB) O=build/mutants CC=gcc OPT='-O0 -g' TEST_SRC='$(HELD_TESTS)' run-mutants
+.PHONY: run-covered run-mutants
+run-covered: tests
+	$(Q)find $(O) -name '*.gcda' -delete
+	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log $(TESTS) && O=$(O) HELD='$(HELD)' tests/run --log $(O)/log tests/covered
+run-mutants: tests
+	$(Q)O=$(O) CC='$(CC) $(CFLAGS_ALL)' LIBS='$(LDFLAGS_ALL) -lcmocka $(LDLIBS)' SAMPLE=$(SAMPLE) \
+		tests/run $(RUN_FLAGS) --log $(O)/log tests/mutate
+
 # 64-bit Arm: cross-built, run under emulation; tests compare results with the same known answers, bit for bit.
 ARM := aarch64-linux-gnu
 check-arm64: deps-arm64 all
@@ -193,7 +211,7 @@ check-system: deps-system all
 # ---- packages ------------------------------------------------------------------------------------
 # Debian packages by apt; PyPI only for test oracles. As root they are installed, otherwise named.
 DEPS_BUILD  := gcc libc6-dev make
-DEPS_CHECK  := $(DEPS_BUILD) clang clang-format python3 python3-venv python3-mpmath libcmocka-dev xz-utils shellcheck \
+DEPS_CHECK  := $(DEPS_BUILD) clang clang-format gcovr python3 python3-venv python3-mpmath libcmocka-dev xz-utils shellcheck \
 	       systemd scdoc libsystemd-dev libsocketcan-dev
 ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev
 DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)

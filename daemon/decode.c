@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Frames to measurements by role.
  */
+#include <math.h>
 #include <string.h>
 #include "codec.h"
 #include "decode.h"
@@ -87,19 +88,54 @@ static enum value read_value(const struct map_signal *s, const struct dbc_messag
 	if (!codec_in_range(s->sig, raw)) {
 		return VALUE_RANGE;
 	}
-	*si = s->gain * codec_phys(s->sig, raw) + s->offset;
+	if (s->table && raw >= s->table->n) {
+		return VALUE_RANGE;
+	}
+	*si = s->gain * (s->table ? s->table->value[raw] : codec_phys(s->sig, raw)) + s->offset;
 	return VALUE_OK;
 }
 
-/* Reads a value and counts why there is none. A signal that is not mapped leaves *@si as it is. */
+/* Reads a value and counts why there is none. A signal that is not mapped, or in another message, leaves *@si as it is. */
 static enum value take_value(struct decode *d, int message, const struct map_signal *s,
 			     const uint8_t *data, double *si)
 {
+	if (!s->sig || s->message != message) {
+		return VALUE_OK;
+	}
 	const enum value got = read_value(s, d->map->message[message].msg, data, si);
 
 	d->rejected[SCENE_REJECT_NOT_AVAILABLE] += got == VALUE_NOT_AVAILABLE;
 	d->rejected[SCENE_REJECT_RANGE] += got == VALUE_RANGE;
-	return s->sig ? got : VALUE_OK;
+	return got;
+}
+
+static uint32_t take_number(const struct map_signal *s, const uint8_t *data)
+{
+	return s->sig ? (uint32_t)codec_raw(s->sig, data) : 0;
+}
+
+/* The radar's own sigma, and what rounding to the signal's steps adds. 0 where it does not say. */
+static double take_sigma(struct decode *d, int message, const struct map_signal *s,
+			 const struct map_signal *of, const uint8_t *data)
+{
+	const double step = of->gain * of->sig->scale;
+	double sigma = 0;
+
+	if (take_value(d, message, s, data, &sigma) || sigma <= 0) {
+		return 0;
+	}
+	return sqrt(sigma * sigma + step * step / 12);
+}
+
+/* How sure the radar is of its target. 0 if it does not say although it should. */
+static int take_quality(struct decode *d, int message, const uint8_t *data, int track,
+			struct detection *det)
+{
+	const struct map_track *t = &d->map->track[track];
+
+	det->distance_sigma_m = take_sigma(d, message, &t->distance_sigma, &t->distance, data);
+	det->rate_sigma_mps = take_sigma(d, message, &t->rate_sigma, &t->rel_speed, data);
+	return !take_value(d, message, &t->existence, data, &det->existence);
 }
 
 /* The rest of a target whose distance is known. 0 if something is missing. */
@@ -110,8 +146,8 @@ static int take_target(struct decode *d, int message, const struct map_track *t,
 
 	if (take_value(d, message, &t->rel_speed, data, &det->rate_mps) ||
 	    take_value(d, message, &t->lateral, data, &det->lateral_m) ||
-	    take_value(d, message, &t->existence, data, &det->existence) ||
-	    take_value(d, message, &t->fresh, data, &fresh)) {
+	    take_value(d, message, &t->fresh, data, &fresh) ||
+	    !take_quality(d, message, data, (int)(t - d->map->track), det)) {
 		return 0;
 	}
 	det->fresh = fresh != 0;
@@ -125,7 +161,10 @@ static int take_track(struct decode *d, const uint8_t *data, struct decode_frame
 	const struct map_track *t = &d->map->track[out->track];
 	double valid = 1;
 
-	out->det = (struct detection){.existence = 1};
+	out->det = (struct detection){
+		.existence = 1,
+		.id = take_number(&d->map->list.id, data),
+	};
 	if (take_value(d, out->message, &t->valid, data, &valid)) {
 		return 0;
 	}
@@ -136,7 +175,8 @@ static int take_track(struct decode *d, const uint8_t *data, struct decode_frame
 		take_value(d, out->message, &t->distance, data, &out->det.distance_m);
 
 	if (got == VALUE_ABSENT) {
-		out->track = -1;
+		out->track = -1; /* the frame is about something else */
+		out->part = MAP_NO_PART;
 	}
 	if (got != VALUE_OK) {
 		return got != VALUE_RANGE;
@@ -147,6 +187,29 @@ static int take_track(struct decode *d, const uint8_t *data, struct decode_frame
 	out->target =
 		out->det.distance_m <= d->range_max_m && out->det.existence >= d->existence_min;
 	return 1;
+}
+
+/* A message of the radar. 0 for a target that is there, but not where. */
+static int take_part(struct decode *d, const uint8_t *data, struct decode_frame *out)
+{
+	const struct map_list *list = &d->map->list;
+
+	switch (out->part) {
+	case MAP_HEADER:
+		out->count = list->count.sig ? (int)take_number(&list->count, data) : -1;
+		return 1;
+	case MAP_TARGET:
+		return take_track(d, data, out);
+	case MAP_QUALITY:
+		out->det = (struct detection){
+			.existence = 1,
+			.id = take_number(&list->quality_id, data),
+		};
+		take_quality(d, out->message, data, 0, &out->det);
+		return 1;
+	default:
+		return 1;
+	}
 }
 
 /* The mean of a role's signals in this message; all of them must have a value. */
@@ -181,10 +244,12 @@ int decode_take(struct decode *d, const struct bus_frame *f, struct decode_frame
 	if (message < 0 || !check(d, message, f)) {
 		return 0;
 	}
-	*out = (struct decode_frame){.message = message, .track = d->map->message[message].track};
-	const int sound = out->track < 0 || take_track(d, f->data, out);
+	const struct map_message *m = &d->map->message[message];
 
-	for (int role = 0; role < MAP_ROLES && d->map->message[message].ego; role++) {
+	*out = (struct decode_frame){.message = message, .part = m->part, .track = m->track};
+	const int sound = take_part(d, f->data, out);
+
+	for (int role = 0; role < MAP_ROLES && m->ego; role++) {
 		take_role(d, (enum map_role)role, f->data, out);
 	}
 	d->message[message].refused = sound ? 0 : d->message[message].refused + 1;

@@ -18,14 +18,20 @@ struct detection {
 	double distance_m, rate_mps; /* ego front to target; target minus ego */
 	double lateral_m;            /* left positive; 0 where not mapped */
 	double existence;            /* 0..1; 1 where not mapped */
-	int fresh;                   /* just appeared in its slot */
+	double distance_sigma_m,
+		rate_sigma_mps; /* 1 sigma, as the radar says; 0 where it does not */
+	uint32_t id;            /* its number in a list; 0 where targets have slots */
+	int fresh;              /* just appeared in its slot */
 };
 
 /* What one accepted frame says. */
 struct decode_frame {
 	int message; /* index into the mapping */
-	int track;   /* radar slot, -1 for none */
-	int target;  /* 1: the slot holds a target, in det */
+	enum map_part part;
+	int track;  /* radar slot, -1 for none */
+	int target; /* 1: the slot holds a target, in det */
+	int count;  /* of a header: objects that follow; -1: it does not say */
+	/* Of MAP_QUALITY: id, existence and sigmas alone. */
 	struct detection det;
 	uint32_t roles;          /* bit MAP_*: value[] is set */
 	double value[MAP_ROLES]; /* mean of the role's signals in this message, SI */

@@ -5,10 +5,12 @@
  */
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include "clock.h"
 #include "decode.h"
 #include "estimator.h"
 #include "fault.h"
+#include "scan.h"
 #include "speeds.h"
 #include "tracker.h"
 
@@ -30,9 +32,8 @@ struct estimator {
 	struct speeds speeds;
 	int64_t jumped_ns; /* when too many speeds in a row were implausible */
 
-	struct tracker_scan pending;
-	uint64_t seen;             /* slots seen in the pending scan; 0: none pending */
-	int64_t first_ns, last_ns; /* reception of its first and last frame */
+	struct scan pending;
+	struct tracker_scan ended; /* the last one */
 	uint64_t scan;             /* scans ended so far */
 	int64_t scan_ns;           /* when the last one ended */
 	int started;               /* every required input has been seen */
@@ -58,13 +59,23 @@ static int is_role_fresh(const struct estimator *e, enum map_role role, int64_t 
 	return r->n > 0;
 }
 
-/* Every slot must be heard even while others are: the lead may be in it. */
+static int is_message_fresh(const struct estimator *e, int message, int64_t now_ns)
+{
+	return now_ns - e->decode.message[message].t_ns <= limit_ns(e, message);
+}
+
+/* Without a header every slot must be heard even while others are: the lead may be in it. With one, it must be heard, and
+ * bring what it announces. */
 static int is_radar_fresh(const struct estimator *e, int64_t now_ns)
 {
-	for (int i = 0; i < e->map->n_tracks; i++) {
-		const int m = e->map->track[i].message;
+	const int header = e->map->list.header;
 
-		if (now_ns - e->decode.message[m].t_ns > limit_ns(e, m)) {
+	if (header >= 0) {
+		return is_message_fresh(e, header, now_ns) &&
+		       e->pending.incomplete < (uint32_t)e->cfg->bus_stale_periods;
+	}
+	for (int i = 0; i < e->map->n_tracks; i++) {
+		if (!is_message_fresh(e, e->map->track[i].message, now_ns)) {
 			return 0;
 		}
 	}
@@ -142,45 +153,37 @@ static int64_t measured_ns(const struct estimator *e, int64_t received_ns)
 
 static void end_scan(struct estimator *e, int64_t now_ns)
 {
+	struct tracker_scan *t = &e->ended;
 	struct speed s;
 
-	e->pending.t_ns = measured_ns(e, e->first_ns);
-	e->pending.seen_ns = e->first_ns;
-	while (speeds_pop(&e->speeds, e->pending.t_ns, &s)) {
+	scan_end(&e->pending);
+	t->t_ns = measured_ns(e, e->pending.first_ns);
+	t->seen_ns = e->pending.first_ns;
+	t->n = e->pending.n;
+	memcpy(t->det, e->pending.det, (size_t)t->n * sizeof(t->det[0]));
+	while (speeds_pop(&e->speeds, t->t_ns, &s)) {
 		tracker_ego_speed(&e->tracker, s.t_ns, s.mps);
 	}
-	e->pending.curvature = curvature(e, now_ns);
-	tracker_scan(&e->tracker, &e->pending);
-	e->seen = 0;
+	t->curvature = curvature(e, now_ns);
+	tracker_scan(&e->tracker, t);
 	e->scan++;
 	e->scan_ns = now_ns;
 	e->started |= is_radar_fresh(e, now_ns) && is_role_fresh(e, MAP_EGO_SPEED, now_ns);
 }
 
-/* Returns 1 if a scan ended: the pending one, by a slot that it had already, or this slot's, by being the last. */
-static int take_slot(struct estimator *e, const struct decode_frame *d, int64_t t_ns)
+/* Returns 1 if a scan ended: the pending one, because this frame is of the next, or this frame's, by being the last. */
+static int take_part(struct estimator *e, const struct decode_frame *d, int64_t t_ns)
 {
-	const uint64_t bit = 1ull << d->track;
-	const uint64_t all = e->map->n_tracks == 64 ? ~0ull : (1ull << e->map->n_tracks) - 1;
-	const int repeated = (e->seen & bit) != 0;
+	const int broken = scan_breaks(&e->pending, d);
 
-	if (repeated) {
+	if (broken) {
 		end_scan(e, t_ns);
 	}
-	if (e->seen == 0) {
-		e->first_ns = t_ns;
-		e->pending.n = 0;
-	}
-	e->last_ns = t_ns;
-	e->seen |= bit;
-	if (d->target) {
-		e->pending.det[e->pending.n++] = d->det;
-	}
-	if (e->seen == all) {
+	if (scan_add(&e->pending, d, t_ns)) {
 		end_scan(e, t_ns);
 		return 1;
 	}
-	return repeated;
+	return broken;
 }
 
 int estimator_frame(struct estimator *e, const struct bus_frame *f)
@@ -192,20 +195,20 @@ int estimator_frame(struct estimator *e, const struct bus_frame *f)
 		return ended;
 	}
 	take_roles(e, &d, f->t_ns);
-	if (d.track >= 0) {
-		ended |= take_slot(e, &d, f->t_ns);
+	if (d.part != MAP_NO_PART) {
+		ended |= take_part(e, &d, f->t_ns);
 	}
 	return ended;
 }
 
 int64_t estimator_deadline(const struct estimator *e)
 {
-	return e->seen ? e->last_ns + e->map->scan_gap_ns : CLOCK_NEVER;
+	return e->pending.open ? e->pending.last_ns + e->map->scan_gap_ns : CLOCK_NEVER;
 }
 
 int estimator_tick(struct estimator *e, int64_t now_ns)
 {
-	if (!e->seen || now_ns < estimator_deadline(e)) {
+	if (!e->pending.open || now_ns < estimator_deadline(e)) {
 		return 0;
 	}
 	end_scan(e, estimator_deadline(e));
@@ -359,6 +362,7 @@ int estimator_open(const struct config *cfg, const struct mapping *map, struct e
 	e->map = map;
 	e->jumped_ns = DECODE_NEVER;
 	decode_open(&e->decode, map, cfg->radar_range_max, cfg->radar_existence_min);
+	scan_open(&e->pending, map, cfg->radar_existence_min);
 	tracker_open(&e->tracker, cfg);
 	restart(e);
 	forget_times(e);
@@ -371,7 +375,7 @@ void estimator_distrust(struct estimator *e)
 	decode_distrust(&e->decode);
 	restart(e);
 	forget_times(e);
-	e->seen = 0;
+	scan_forget(&e->pending);
 }
 
 const uint64_t *estimator_rejected(const struct estimator *e)

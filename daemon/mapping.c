@@ -48,7 +48,22 @@ static uint64_t hash_signal(const struct map_signal *s, uint64_t h)
 {
 	h = hash_text(h, s->sig ? s->sig->name : "");
 	h = hash_f64(hash_f64(h, s->gain), s->offset);
+	for (uint32_t i = 0; s->table && i < s->table->n; i++) {
+		h = hash_f64(h, s->table->value[i]);
+	}
 	return hash_u64(hash_u64(h, (uint64_t)s->has_na), s->na_raw);
+}
+
+static uint64_t hash_list(const struct map_list *l, uint64_t h)
+{
+	if (l->header < 0) {
+		return h;
+	}
+	h = hash_u64(hash_u64(h, (uint64_t)l->header), (uint64_t)l->quality);
+	h = hash_signal(&l->count, h);
+	h = hash_signal(&l->start, h);
+	h = hash_signal(&l->id, h);
+	return hash_signal(&l->quality_id, h);
 }
 
 uint64_t mapping_hash(const struct mapping *m, uint64_t h)
@@ -74,8 +89,10 @@ uint64_t mapping_hash(const struct mapping *m, uint64_t h)
 		h = hash_signal(&t->valid, h);
 		h = hash_signal(&t->fresh, h);
 		h = hash_signal(&t->existence, h);
+		h = t->distance_sigma.sig ? hash_signal(&t->distance_sigma, h) : h;
+		h = t->rate_sigma.sig ? hash_signal(&t->rate_sigma, h) : h;
 	}
-	return h;
+	return hash_list(&m->list, h);
 }
 
 /* print_section - the keys of one section, wherever the file or an override has them */

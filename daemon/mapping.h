@@ -15,14 +15,32 @@
 #define MAP_MESSAGES_MAX 64
 #define MAP_TRACKS_MAX   64
 #define MAP_SPEEDS_MAX   4
+#define MAP_TABLES_MAX   8
+#define MAP_TABLE_MAX    64 /* entries of one */
+
+/* What the raw values 0, 1, ... of a signal stand for, where no scale says it. */
+struct map_table {
+	uint32_t n;
+	double value[MAP_TABLE_MAX]; /* in the signal's unit */
+};
 
 /* One signal, with its way to SI units and the raw value that means "no value". */
 struct map_signal {
-	const struct dbc_signal *sig; /* NULL: this role is not mapped */
+	const struct dbc_signal *sig;  /* NULL: this role is not mapped */
+	const struct map_table *table; /* physical value by raw value, or NULL */
 	double gain,
 		offset; /* SI = gain * physical + offset (unit conversion, sign, sensor position) */
+	int16_t message; /* index into mapping.message */
 	int has_na;
 	uint64_t na_raw; /* raw value (as unsigned bits) that says "not available" */
+};
+
+/* What a message is to the radar's scan. */
+enum map_part {
+	MAP_NO_PART,
+	MAP_HEADER, /* begins a scan; says how many objects follow, or nothing about it */
+	MAP_TARGET, /* a target: of a slot of its own, or of a list, named by its number */
+	MAP_QUALITY /* more about the target of a list that has the same number */
 };
 
 struct map_message {
@@ -32,6 +50,7 @@ struct map_message {
 	const struct dbc_signal *counter; /* rolling counter outside the check, or NULL */
 	int64_t period_ns; /* nominal cycle; staleness is judged in multiples of it */
 	int16_t track;     /* index of the radar target it carries, -1 if it carries none */
+	uint8_t part;      /* enum map_part */
 	int8_t ego;        /* 1: carries an ego or driver signal */
 };
 
@@ -52,6 +71,22 @@ struct map_track {
 	struct map_signal valid;     /* nonzero: target present; optional */
 	struct map_signal fresh;     /* nonzero: target just appeared in this slot; optional */
 	struct map_signal existence; /* probability 0..1; optional */
+	struct map_signal distance_sigma, rate_sigma; /* [m], [m/s], 1 sigma; optional */
+};
+
+/*
+ * A radar that does not send every slot in every scan: a header begins each scan and shows that the radar lives, so that
+ * what is not sent is not there. Where objects have a number, one message carries all of them, one frame each, described by
+ * track[0]; existence and sigmas may come in a second message, named by the same number. No header: header is -1, and
+ * every slot is sent in every scan.
+ */
+struct map_list {
+	int16_t header, quality; /* index into mapping.message, -1: none */
+	struct map_signal
+		count; /* frames of objects that follow; no sig: the header does not say */
+	struct map_signal start;      /* a header that does not say; no sig: not mapped */
+	struct map_signal id;         /* the object's number in its message; no sig: slots */
+	struct map_signal quality_id; /* and in the quality message */
 };
 
 struct config;
@@ -66,6 +101,9 @@ struct mapping {
 	struct map_message message[MAP_MESSAGES_MAX];
 	struct map_role_signals role[MAP_ROLES];
 	struct map_track track[MAP_TRACKS_MAX];
+	struct map_list list;
+	int n_tables;
+	struct map_table table[MAP_TABLES_MAX];
 	uint8_t by_id[MAP_MESSAGES_MAX]; /* indices of messages, ordered by interface and id */
 	int64_t scan_gap_ns; /* silence that ends a scan when not all of its messages were seen */
 };

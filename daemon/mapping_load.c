@@ -113,6 +113,7 @@ int mapping_load(struct ini *ini, struct config *cfg, struct mapping **ret)
 		ini_fail(ini, NULL, "out of memory");
 		return -ENOMEM;
 	}
+	l.map->list.header = l.map->list.quality = -1;
 	l.map->n_ifaces = config_interfaces(cfg, l.map->iface);
 	l.map->scan_gap_ns = clock_s_to_ns(cfg->radar_scan_gap * 1e-3);
 	rc = load_dbc(&l);

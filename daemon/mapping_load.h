@@ -57,6 +57,16 @@ int mapping_no_message(const struct map_load *l, const struct ini_entry *e, cons
 int mapping_no_signal(const struct map_load *l, const struct ini_entry *e,
 		      const struct dbc_message *msg, const char *name);
 
+/** mapping_load_table - a table key's numbers; the mapping keeps them. */
+int mapping_load_table(struct map_load *l, const struct ini_entry *e, const struct map_table **ret);
+
+/** mapping_place_list - @s of struct map_list is set: note what its message is to a scan. */
+int mapping_place_list(struct map_load *l, const struct ini_entry *from,
+		       const struct map_signal *s);
+
+/** mapping_check_list - do header, objects and their quality go together? All signals are set. */
+int mapping_check_list(const struct map_load *l);
+
 /** mapping_load_signals - all [signal ROLE] sections: roles, targets and the messages they need. */
 int mapping_load_signals(struct map_load *l);
 

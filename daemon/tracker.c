@@ -45,17 +45,28 @@ void tracker_ego_speed(struct tracker *t, int64_t t_ns, double speed_mps)
 
 /* ---- association ---------------------------------------------------------------------------- */
 
+/* The noise of a measurement: what the radar says of this target, or what the configuration says of all. */
+static double distance_sigma(const struct config *c, const struct detection *d)
+{
+	return d->distance_sigma_m > 0 ? d->distance_sigma_m : c->radar_range_sigma;
+}
+
+static double rate_sigma(const struct config *c, const struct detection *d)
+{
+	return d->rate_sigma_mps > 0 ? d->rate_sigma_mps : c->radar_rate_sigma;
+}
+
 /* Squared distance from an object's prediction in sigmas; the lateral offset may differ by the corridor's half width. */
-static double cost(const struct config *c, const struct tracker_object *o, double distance_m,
-		   double rate_mps, double lateral_m)
+static double cost(const struct config *c, const struct tracker_object *o,
+		   const struct detection *d)
 {
 	double s11, s22;
-	const double a =
-		kalman_innovation(&o->k, KALMAN_DISTANCE, distance_m, c->radar_range_sigma, &s11);
-	const double b = kalman_innovation(&o->k, KALMAN_RATE, rate_mps, c->radar_rate_sigma, &s22);
+	const double a = kalman_innovation(&o->k, KALMAN_DISTANCE, d->distance_m,
+					   distance_sigma(c, d), &s11);
+	const double b = kalman_innovation(&o->k, KALMAN_RATE, d->rate_mps, rate_sigma(c, d), &s22);
 	const double s12 =
 		o->k.p[SCENE_HEADWAY][SCENE_LEAD_SPEED] - o->k.p[SCENE_HEADWAY][SCENE_EGO_SPEED];
-	const double l = (lateral_m - o->lateral_m) * c->filter_gate / c->radar_corridor;
+	const double l = (d->lateral_m - o->lateral_m) * c->filter_gate / c->radar_corridor;
 
 	return (a * a * s22 - 2 * a * b * s12 + b * b * s11) / (s11 * s22 - s12 * s12) + l * l;
 }
@@ -69,9 +80,7 @@ static void fill_costs(struct tracker *t, const struct tracker_scan *s)
 {
 	for (int i = 0; i < t->n; i++) {
 		for (int j = 0; j < s->n; j++) {
-			const struct detection *d = &s->det[j];
-			const double c = cost(t->cfg, &t->object[i], d->distance_m, d->rate_mps,
-					      d->lateral_m);
+			const double c = cost(t->cfg, &t->object[i], &s->det[j]);
 
 			t->cost[i][j] = is_gated(t->cfg, c) ? c : COST_NONE;
 		}
@@ -117,8 +126,8 @@ static void follow(const struct tracker *t, struct tracker_object *o, const stru
 {
 	const struct config *c = t->cfg;
 
-	kalman_update(&o->k, KALMAN_DISTANCE, d->distance_m, c->radar_range_sigma);
-	kalman_update(&o->k, KALMAN_RATE, d->rate_mps, c->radar_rate_sigma);
+	kalman_update(&o->k, KALMAN_DISTANCE, d->distance_m, distance_sigma(c, d));
+	kalman_update(&o->k, KALMAN_RATE, d->rate_mps, rate_sigma(c, d));
 	o->lateral_m += (d->lateral_m - o->lateral_m) * 2 / (double)(c->radar_confirm_scans + 1);
 	o->existence = d->existence;
 	o->seen_ns = seen_ns;
@@ -143,8 +152,8 @@ static void begin(struct tracker *t, const struct detection *d, int64_t seen_ns)
 		.id = ++t->last_id,
 		.hits = !d->fresh,
 	};
-	kalman_open_lead(&o->k, d->distance_m, c->radar_range_sigma, d->rate_mps,
-			 c->radar_rate_sigma, c->filter_accel_sigma);
+	kalman_open_lead(&o->k, d->distance_m, distance_sigma(c, d), d->rate_mps, rate_sigma(c, d),
+			 c->filter_accel_sigma);
 }
 
 /* An object is given up after more scans without a detection than it had with one, coast_scans at most. */
@@ -156,11 +165,14 @@ static int is_lost(const struct tracker *t, const struct tracker_object *o)
 /* 1 if an older object is at the same place with the same speed: one vehicle seen twice. */
 static int is_duplicate(const struct tracker *t, int n_older, const struct tracker_object *o)
 {
-	const double rate = o->k.x[SCENE_LEAD_SPEED] - o->k.x[SCENE_EGO_SPEED];
+	const struct detection seen = {
+		.distance_m = o->k.x[SCENE_HEADWAY],
+		.rate_mps = o->k.x[SCENE_LEAD_SPEED] - o->k.x[SCENE_EGO_SPEED],
+		.lateral_m = o->lateral_m,
+	};
 
 	for (int i = 0; i < n_older; i++) {
-		const double c =
-			cost(t->cfg, &t->object[i], o->k.x[SCENE_HEADWAY], rate, o->lateral_m);
+		const double c = cost(t->cfg, &t->object[i], &seen);
 
 		if (is_gated(t->cfg, c)) {
 			return 1;

@@ -278,8 +278,8 @@ static int open_mc(struct live *l, char *err, int err_len)
 		service_log(SERVICE_WARNING, l->engine.faults ? "GPU" : "CALIBRATION", err);
 	}
 	pipeline_raise(l->pipeline, l->engine.faults);
-	pipeline_set_spare(l->pipeline, l->engine.spare);
-	pipeline_set_mc(l->pipeline, l->engine.mc, l->engine.which);
+	pipeline_set_spare(l->pipeline, l->engine.spare, (uint32_t)l->cfg->mc_samples);
+	pipeline_set_mc(l->pipeline, l->engine.mc, l->engine.which, (uint32_t)l->cfg->mc_samples);
 	return 0;
 }
 

@@ -45,14 +45,18 @@ static void decide(struct pipeline *p, const struct scene *s, const struct mc_re
 
 /* ---- evaluation -------------------------------------------------------------------------------- */
 
-/* With a spare the backend is given up for good: what it does from now on is of no interest. */
+/* With a spare the backend is given up for good: what it does from now on is of no interest. A request that no backend
+ * would take is not the backend's failure; wrong bits without another backend to turn to are wrong memory. */
 static void fail(struct pipeline *p, int err)
 {
-	struct mc *spare = __atomic_exchange_n(&p->spare, NULL, __ATOMIC_ACQ_REL);
+	struct mc *spare =
+		err == -EINVAL ? NULL : __atomic_exchange_n(&p->spare, NULL, __ATOMIC_ACQ_REL);
 
-	p->once |= spare ? engine_fault(err) : FAULT_BIT(MC_ERROR);
+	p->once |= spare             ? engine_fault(err)
+		   : err == -EBADMSG ? FAULT_BIT(MEMORY)
+				     : FAULT_BIT(MC_ERROR);
 	if (spare) {
-		pipeline_set_mc(p, spare, PUBLISH_BACKEND_CPU);
+		pipeline_set_mc(p, spare, PUBLISH_BACKEND_CPU, p->spare_samples);
 		pipeline_take_offers(p);
 	}
 	pipeline_faults(p);
@@ -112,6 +116,7 @@ static void submit(struct pipeline *p)
 	c->t_ns[STAGE_INPUT] = p->now_ns - c->scene.oldest_input_ns;
 	c->t_ns[STAGE_SCAN] = c->scene.scan_ns;
 	err = pipeline_request(p->o.cfg, &c->scene, c->id, &c->req);
+	c->req.n = p->stats.samples;
 	c->t_ns[STAGE_SCENE] = c->t_ns[STAGE_SUBMIT] = pipeline_stamp(p);
 	err = err ? err : mc_submit(p->mc, &c->req);
 	if (err < 0) {
@@ -302,7 +307,7 @@ static void prepare(struct pipeline *p)
 	p->budget_ns = ms_to_ns(cfg->mc_budget);
 	p->offered_cfg = cfg;
 	p->in.state = STATE_INIT;
-	pipeline_set_mc(p, p->o.mc, p->o.backend);
+	pipeline_set_mc(p, p->o.mc, p->o.backend, (uint32_t)cfg->mc_samples);
 	pipeline_take_offers(p);
 	p->in.hash = (uint16_t)(h ^ h >> 16 ^ h >> 32 ^ h >> 48 ^ contract_hash());
 	p->in.input_age_ns = p->in.mc_ns = p->in.decision_ns = p->in.total_ns = -1;

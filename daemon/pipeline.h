@@ -49,6 +49,7 @@ struct pipeline_stats {
 	uint64_t period_miss; /* request frames absent or more than 25 % late */
 	uint64_t sent;        /* frames handed to the bus */
 	double risk_max;      /* largest P(defer) of any evaluation */
+	uint32_t samples;     /* per evaluation, on the backend in use; 0 before there is one */
 };
 
 struct recorder;
@@ -57,7 +58,7 @@ struct pipeline_open {
 	const struct config *cfg;
 	const struct mapping *map;
 	struct bus *bus;
-	struct mc *mc;                /* NULL: none yet, pipeline_set_mc() brings it */
+	struct mc *mc; /* runs mc.samples; NULL: none yet, pipeline_set_mc() brings it */
 	enum publish_backend backend; /* what mc runs on, for STATUS */
 	int quiet;                    /* 1: send nothing (transmit = none on a live bus) */
 	int needs_arm; /* 1: "no request" until pipeline_arm() (transmit = armed on a live bus) */
@@ -92,12 +93,14 @@ int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t i
 
 /* The next seven may be called from another thread than pipeline_step's; they do not block. */
 
-/** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT). */
-void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend);
+/** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT), with
+ * @samples each. */
+void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend,
+		     uint32_t samples);
 
-/** pipeline_set_spare - the CPU backend, open beforehand: takes over for good when the GPU fails or does not answer. Call
- * before pipeline_set_mc(). */
-void pipeline_set_spare(struct pipeline *p, struct mc *spare);
+/** pipeline_set_spare - the CPU backend, open beforehand: takes over for good, with @samples, when the GPU fails or does
+ * not answer. Call before pipeline_set_mc(). */
+void pipeline_set_spare(struct pipeline *p, struct mc *spare, uint32_t samples);
 
 /** pipeline_set_config - use @cfg for decisions from the next step on. Options that size or wire anything are read at
  * open alone; both configurations must outlive the pipeline. */

@@ -19,6 +19,7 @@ static void take_mc(struct pipeline *p)
 		p->mc = mc;
 		p->running = 0; /* what the other backend was at is abandoned */
 		p->in.backend = p->offered_backend;
+		p->in.samples = p->stats.samples = p->offered_samples;
 		watch(p);
 	}
 }
@@ -36,14 +37,17 @@ void pipeline_take_offers(struct pipeline *p)
 	}
 }
 
-void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend)
+void pipeline_set_mc(struct pipeline *p, struct mc *mc, enum publish_backend backend,
+		     uint32_t samples)
 {
 	p->offered_backend = backend;
+	p->offered_samples = samples;
 	__atomic_store_n(&p->offered_mc, mc, __ATOMIC_RELEASE);
 }
 
-void pipeline_set_spare(struct pipeline *p, struct mc *spare)
+void pipeline_set_spare(struct pipeline *p, struct mc *spare, uint32_t samples)
 {
+	p->spare_samples = samples;
 	__atomic_store_n(&p->spare, spare, __ATOMIC_RELEASE);
 }
 

@@ -34,6 +34,7 @@ struct pipeline {
 	/* written by another thread, read here; atomic */
 	struct mc *offered_mc, *spare;
 	enum publish_backend offered_backend;
+	uint32_t offered_samples, spare_samples;
 	const struct config *offered_cfg;
 	int arm, mark;
 	uint32_t outside; /* reasons found outside the pipeline */

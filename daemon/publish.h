@@ -39,7 +39,8 @@ struct publish_in {
 	uint64_t skipped, late, stage_miss, period_miss;
 	int64_t input_age_ns, mc_ns, decision_ns, total_ns; /* last evaluation; -1 unknown */
 	uint16_t hash;                                      /* contract and configuration */
-	uint32_t samples;                                   /* in the last batch; 0 = none yet */
+	uint32_t
+		samples; /* in the last batch; before one, what the backend will run; 0 without a backend */
 	enum publish_backend backend;
 	int withheld; /* 1: decide, but say "no request": no arm command is in force */
 };

@@ -817,13 +817,18 @@ static void test_backend_error_falls_back(void **arg)
 	end();
 }
 
-static void test_foreign_result_is_an_error(void **arg)
+static void test_foreign_result_is_wrong_memory(void **arg)
 {
 	(void)arg;
 	begin(&log_ops, 0, NULL);
 	run_scans(10);
 	w.wrong_hash = 1;
-	expect_fallback(FAULT_BIT(MC_ERROR));
+	run_scans(13);
+	assert_int_equal(reasons(), FAULT_BIT(MEMORY));
+	w.wrong_hash = 0;
+	run_scans(40); /* for good */
+	request_is("FAULT", "none", "none");
+	assert_int_equal(pipeline_stats(w.p)->evaluations, 10);
 	end();
 }
 
@@ -965,12 +970,13 @@ static void test_backend_comes_late(void **arg)
 	run_scans(12);
 	assert_int_equal(reasons(), FAULT_BIT(STARTING));
 	assert_int_equal(w.watched_fd, -1);
-	pipeline_set_mc(w.p, w.mc, PUBLISH_BACKEND_GPU);
+	pipeline_set_mc(w.p, w.mc, PUBLISH_BACKEND_GPU, 65536);
 	run_scans(13);
 	request_is("ARMED", "none", "none");
 	assert_int_equal(w.watched_fd, mc_eventfd(w.mc));
 	run_scans(20);
 	assert_int_equal(raw(last(PUBLISH_STATUS), AEB_STATUS_BACKEND), AEB_STATUS_BACKEND_GPU);
+	assert_int_equal(pipeline_stats(w.p)->samples, 65536);
 	end();
 }
 
@@ -989,7 +995,7 @@ static void test_backend_is_replaced(void **arg)
 	assert_int_equal(pipeline_stats(w.p)->evaluations, 0);
 	let_one_pass(); /* the result lies ready, but is not asked for */
 	__atomic_store_n(&w.block, 0, __ATOMIC_RELEASE);
-	pipeline_set_mc(w.p, other, PUBLISH_BACKEND_CPU);
+	pipeline_set_mc(w.p, other, PUBLISH_BACKEND_CPU, 256);
 	run_scans(6);
 	assert_true(pipeline_stats(w.p)->evaluations >= 3);
 	assert_int_equal(w.cycle.scene.scan, 6);
@@ -1018,6 +1024,7 @@ static void expect_spare(uint32_t fault, uint64_t before)
 	assert_true(has_risk());
 	assert_true(pipeline_stats(w.p)->evaluations >= before + 3);
 	assert_int_equal(raw(last(PUBLISH_STATUS), AEB_STATUS_BACKEND), AEB_STATUS_BACKEND_CPU);
+	assert_int_equal(w.cycle.req.n, 1024);
 }
 
 static void test_spare_takes_over_after_an_error(void **arg)
@@ -1038,7 +1045,7 @@ static void test_spare_takes_over_after_an_error(void **arg)
 
 		assert_int_equal(mc_open(&spare_ops, &params, MC_INLINE, &spare), 0);
 		begin(&log_ops, 0, NULL);
-		pipeline_set_spare(w.p, spare);
+		pipeline_set_spare(w.p, spare, 1024);
 		run_scans(10);
 		w.run_error = row[i].err;
 		w.wrong_hash = row[i].err == 0;
@@ -1050,6 +1057,50 @@ static void test_spare_takes_over_after_an_error(void **arg)
 	}
 }
 
+/* What no backend would take is no reason to give one up. */
+static void test_impossible_request_keeps_the_backend(void **arg)
+{
+	const struct mc_params params = {.n_resident = 256, .threads = 1};
+	struct mc *spare = NULL;
+
+	(void)arg;
+	assert_int_equal(mc_open(&spare_ops, &params, MC_INLINE, &spare), 0);
+	begin(&log_ops, 0, NULL);
+	pipeline_set_spare(w.p, spare, 1024);
+	run_scans(10);
+	w.scene.cov[0][0] = -1;
+	run_scans(13);
+	assert_int_equal(reasons(), FAULT_BIT(MC_ERROR));
+	assert_int_equal(w.runs, 10);
+	w.scene.cov[0][0] = 0.01;
+	run_scans(14);
+	assert_int_equal(w.runs, 11);
+	end();
+	mc_close(spare);
+}
+
+/* Wrong bits on the GPU, then on the CPU: nothing is left that could be believed. */
+static void test_wrong_bits_twice_are_a_fault(void **arg)
+{
+	const struct mc_params params = {.n_resident = 256, .threads = 1};
+	struct mc *spare = NULL;
+
+	(void)arg;
+	assert_int_equal(mc_open(&fake_ops, &params, MC_INLINE, &spare), 0);
+	begin(&log_ops, 0, NULL);
+	pipeline_set_spare(w.p, spare, 1024);
+	run_scans(10);
+	w.run_error = -EBADMSG;
+	run_scans(11);
+	assert_int_equal(pipeline_now(w.p)->fault, FAULT_BIT(GPU_BITS));
+	run_scans(14);
+	assert_int_equal(reasons(), FAULT_BIT(GPU_BITS) | FAULT_BIT(MEMORY));
+	request_is("FAULT", "none", "none");
+	w.run_error = 0;
+	end();
+	mc_close(spare);
+}
+
 static void test_spare_takes_over_from_a_stuck_backend(void **arg)
 {
 	const struct mc_params params = {.n_resident = 256, .threads = 1};
@@ -1058,7 +1109,7 @@ static void test_spare_takes_over_from_a_stuck_backend(void **arg)
 	(void)arg;
 	assert_int_equal(mc_open(&spare_ops, &params, MC_INLINE, &spare), 0);
 	begin(&live_ops, 1, NULL);
-	pipeline_set_spare(w.p, spare);
+	pipeline_set_spare(w.p, spare, 1024);
 	w.deaf = 1;
 	__atomic_store_n(&w.block, 1, __ATOMIC_RELEASE);
 	run_to(SCAN_0 + 1900 * MS);
@@ -1300,7 +1351,7 @@ int main(void)
 		cmocka_unit_test(test_frames_of_a_stall_are_not_used),
 		cmocka_unit_test(test_late_period),
 		cmocka_unit_test(test_backend_error_falls_back),
-		cmocka_unit_test(test_foreign_result_is_an_error),
+		cmocka_unit_test(test_foreign_result_is_wrong_memory),
 		cmocka_unit_test(test_impossible_request_is_an_error),
 		cmocka_unit_test(test_cut_batch),
 		cmocka_unit_test(test_newest_scan_waits),
@@ -1310,6 +1361,8 @@ int main(void)
 		cmocka_unit_test(test_backend_comes_late),
 		cmocka_unit_test(test_backend_is_replaced),
 		cmocka_unit_test(test_spare_takes_over_after_an_error),
+		cmocka_unit_test(test_impossible_request_keeps_the_backend),
+		cmocka_unit_test(test_wrong_bits_twice_are_a_fault),
 		cmocka_unit_test(test_spare_takes_over_from_a_stuck_backend),
 		cmocka_unit_test(test_arming),
 		cmocka_unit_test(test_quiet_sends_nothing),

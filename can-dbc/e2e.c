@@ -26,7 +26,7 @@ const char *const e2e_status_name[E2E_STATUSES] = {
 };
 
 /* Low nibble of byte 1. */
-static const struct dbc_signal p2_counter = {.name = "COUNTER", .scale = 1, .start = 8, .len = 4};
+static const struct dbc_signal p2_counter = {.name = "COUNTER", .start = 8, .len = 4};
 
 uint8_t e2e_crc8h2f(uint8_t crc, const uint8_t *data, unsigned len)
 {
@@ -61,9 +61,8 @@ static const struct {
 	uint8_t (*sum)(const struct dbc_message *msg, const uint8_t *data);
 	int at_end;
 } kinds[E2E_KINDS] = {
-	[E2E_NONE] = {NULL, 0},
-	[E2E_P2] = {sum_p2, 0},
-	[E2E_TOYOTA] = {sum_toyota, 1},
+	[E2E_P2] = {.sum = sum_p2},
+	[E2E_TOYOTA] = {.sum = sum_toyota, .at_end = 1},
 };
 
 static unsigned sum_at(const struct e2e_config *cfg)

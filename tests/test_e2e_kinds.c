@@ -67,6 +67,7 @@ static void without_counter_each_frame_stands_alone(void **state)
 	assert_int_equal(e2e_check(&sum, &st, data, 8), E2E_WRONG_CRC);
 	assert_int_equal(e2e_check(&none, &st, data, 8), E2E_OK);
 	assert_int_equal(e2e_check(&none, &st, data, 5), E2E_WRONG_LENGTH);
+	assert_int_equal(st.max_delta, 0); /* no counter, no step to allow */
 	uint8_t same[8];
 	memcpy(same, data, 8);
 	e2e_protect(&none, &st, data);
@@ -87,6 +88,10 @@ static void counter_without_checksum(void **state)
 		e2e_protect(&cfg, &tx, data);
 		assert_int_equal(e2e_check(&cfg, &rx, data, 8), want[i]);
 	}
+	assert_int_equal(rx.good, E2E_START);
+	e2e_reset(&tx);
+	assert_int_equal(tx.counter, 0);
+	assert_int_equal(tx.good, 0);
 }
 
 static void kinds_by_name(void **state)
@@ -113,8 +118,12 @@ static void unfit_messages_are_refused(void **state)
 	m.size = 1;
 	assert_int_equal(e2e_config_check(&cfg, &why), -EINVAL);
 	assert_non_null(strstr(why, "2 bytes"));
-	m.size = 0;
+	m.size = 2;
+	assert_int_equal(e2e_config_check(&cfg, &why), 0);
 	cfg.kind = E2E_TOYOTA;
+	m.size = 1;
+	assert_int_equal(e2e_config_check(&cfg, &why), 0);
+	m.size = 0;
 	assert_int_equal(e2e_config_check(&cfg, &why), -EINVAL);
 	assert_non_null(strstr(why, "1 byte"));
 	struct dbc_signal counter = byte_counter;

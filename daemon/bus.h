@@ -80,7 +80,7 @@ struct bus {
 /* Events of a live bus. */
 #define BUS_EV_DOWN    1u /* an interface is down or missing (lasting) */
 #define BUS_EV_OFF     2u /* a controller is bus-off (lasting, until restarted) */
-#define BUS_EV_PASSIVE 4u /* error-passive */
+#define BUS_EV_PASSIVE 4u /* a controller became error-passive */
 #define BUS_EV_FOREIGN 8u /* somebody else sent one of our identifiers */
 #define BUS_EV_STAMP \
 	16u /* a receive stamp was not credible: the clock stepped or the queue is old */

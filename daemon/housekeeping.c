@@ -287,6 +287,7 @@ int housekeeping_run(struct live *l, char *err, int err_len)
 		}
 		if (now_ns >= links_ns) {
 			look_after_links(l);
+			pipeline_check_config(l->pipeline);
 			links_ns = now_ns + LINKS_NS;
 		}
 		feed_watchdog(l, now_ns);

@@ -300,16 +300,14 @@ static int64_t ms_to_ns(double ms)
 static void prepare(struct pipeline *p)
 {
 	const struct config *cfg = p->o.cfg;
-	uint64_t h = config_hash(cfg, p->o.map);
 
 	p->period_ns = ms_to_ns(cfg->bus_period);
 	p->ttl_ns = ms_to_ns(cfg->bus_result_ttl);
 	p->budget_ns = ms_to_ns(cfg->mc_budget);
-	p->offered_cfg = cfg;
+	pipeline_set_config(p, cfg);
 	p->in.state = STATE_INIT;
 	pipeline_set_mc(p, p->o.mc, p->o.backend, (uint32_t)cfg->mc_samples);
 	pipeline_take_offers(p);
-	p->in.hash = (uint16_t)(h ^ h >> 16 ^ h >> 32 ^ h >> 48 ^ contract_hash());
 	p->in.input_age_ns = p->in.mc_ns = p->in.decision_ns = p->in.total_ns = -1;
 }
 

@@ -91,7 +91,7 @@ int pipeline_step(struct pipeline *p);
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req);
 
-/* The next seven may be called from another thread than pipeline_step's; they do not block. */
+/* The next eight may be called from another thread than pipeline_step's; they do not block. */
 
 /** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT), with
  * @samples each. */
@@ -105,6 +105,10 @@ void pipeline_set_spare(struct pipeline *p, struct mc *spare, uint32_t samples);
 /** pipeline_set_config - use @cfg for decisions from the next step on. Options that size or wire anything are read at
  * open alone; both configurations must outlive the pipeline. */
 void pipeline_set_config(struct pipeline *p, const struct config *cfg);
+
+/** pipeline_check_config - are configuration, mapping and contract still those whose hash the frames carry? Memory that
+ * changed under them is FAULT. By the thread that calls pipeline_set_config(), now and then. */
+void pipeline_check_config(struct pipeline *p);
 
 /** pipeline_arm - 1: requests may go out (bus.transmit = armed); 0: they are sent as "no request". A FAULT disarms. */
 void pipeline_arm(struct pipeline *p, int on);

@@ -28,6 +28,7 @@ void pipeline_take_offers(struct pipeline *p)
 {
 	take_mc(p);
 	p->o.cfg = __atomic_load_n(&p->offered_cfg, __ATOMIC_ACQUIRE);
+	p->in.hash = __atomic_load_n(&p->hash, __ATOMIC_ACQUIRE);
 	if (p->in.state == STATE_FAULT) {
 		pipeline_arm(p, 0);
 	}
@@ -51,14 +52,29 @@ void pipeline_set_spare(struct pipeline *p, struct mc *spare, uint32_t samples)
 	__atomic_store_n(&p->spare, spare, __ATOMIC_RELEASE);
 }
 
+static uint16_t hash_of(const struct pipeline *p, const struct config *cfg)
+{
+	uint64_t h = config_hash(cfg, p->o.map);
+
+	return (uint16_t)(h ^ h >> 16 ^ h >> 32 ^ h >> 48 ^ contract_hash());
+}
+
 void pipeline_set_config(struct pipeline *p, const struct config *cfg)
 {
+	__atomic_store_n(&p->hash, hash_of(p, cfg), __ATOMIC_RELEASE);
 	__atomic_store_n(&p->offered_cfg, cfg, __ATOMIC_RELEASE);
 }
 
 void pipeline_arm(struct pipeline *p, int on)
 {
 	__atomic_store_n(&p->arm, on, __ATOMIC_RELEASE);
+}
+
+void pipeline_check_config(struct pipeline *p)
+{
+	if (hash_of(p, p->offered_cfg) != p->hash) {
+		pipeline_raise(p, FAULT_BIT(CONFIG));
+	}
 }
 
 int pipeline_armed(const struct pipeline *p)

@@ -29,10 +29,9 @@ static uint32_t bus_conditions(struct pipeline *p)
 	static const struct {
 		uint32_t event, fault;
 	} row[] = {
-		{BUS_EV_DOWN, FAULT_BIT(BUS_DOWN)},
-		{BUS_EV_OFF, FAULT_BIT(BUS_OFF)},
-		{BUS_EV_FOREIGN, FAULT_BIT(FOREIGN_ID)},
-		{BUS_EV_STAMP, FAULT_BIT(CLOCK_STEP)},
+		{BUS_EV_DOWN, FAULT_BIT(BUS_DOWN)},      {BUS_EV_OFF, FAULT_BIT(BUS_OFF)},
+		{BUS_EV_FOREIGN, FAULT_BIT(FOREIGN_ID)}, {BUS_EV_STAMP, FAULT_BIT(CLOCK_STEP)},
+		{BUS_EV_OVERFLOW, FAULT_BIT(RX_LOST)},   {BUS_EV_PASSIVE, FAULT_BIT(BUS_PASSIVE)},
 	};
 	uint32_t events = p->o.bus->ops->events ? p->o.bus->ops->events(p->o.bus) : 0, faults = 0;
 

@@ -36,6 +36,7 @@ struct pipeline {
 	enum publish_backend offered_backend;
 	uint32_t offered_samples, spare_samples;
 	const struct config *offered_cfg;
+	uint16_t hash; /* of offered_cfg, as the frames carry it */
 	int arm, mark;
 	uint32_t outside; /* reasons found outside the pipeline */
 

@@ -706,11 +706,9 @@ static void test_bus_events(void **arg)
 	static const struct {
 		uint32_t event, fault;
 	} row[] = {
-		{BUS_EV_DOWN, FAULT_BIT(BUS_DOWN)},
-		{BUS_EV_OFF, FAULT_BIT(BUS_OFF)},
-		{BUS_EV_FOREIGN, FAULT_BIT(FOREIGN_ID)},
-		{BUS_EV_STAMP, FAULT_BIT(CLOCK_STEP)},
-		{BUS_EV_PASSIVE, 0},
+		{BUS_EV_DOWN, FAULT_BIT(BUS_DOWN)},       {BUS_EV_OFF, FAULT_BIT(BUS_OFF)},
+		{BUS_EV_FOREIGN, FAULT_BIT(FOREIGN_ID)},  {BUS_EV_STAMP, FAULT_BIT(CLOCK_STEP)},
+		{BUS_EV_PASSIVE, FAULT_BIT(BUS_PASSIVE)}, {BUS_EV_OVERFLOW, FAULT_BIT(RX_LOST)},
 	};
 
 	(void)arg;
@@ -719,7 +717,7 @@ static void test_bus_events(void **arg)
 		run_scans(5);
 		w.events = row[i].event;
 		run_to(w.now_ns + 200 * MS);
-		request_is(row[i].fault ? "INHIBIT" : "ARMED", "none", "none");
+		request_is(state_name[fault_state(row[i].fault)], "none", "none");
 		assert_int_equal(reasons(), row[i].fault);
 		end();
 	}
@@ -1187,6 +1185,31 @@ static void test_new_configuration(void **arg)
 	end();
 }
 
+static void test_configuration_that_changes_by_itself(void **arg)
+{
+	struct config other;
+	uint16_t hash;
+
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	run_scans(4);
+	hash = pipeline_now(w.p)->hash;
+	other = w.cfg;
+	other.decision_p_defer = 0.2;
+	pipeline_set_config(w.p, &other);
+	pipeline_check_config(w.p);
+	run_scans(8);
+	request_is("ARMED", "none", "none");
+	assert_int_not_equal(pipeline_now(w.p)->hash,
+			     hash); /* the frames say which one is in force */
+	other.decision_p_defer = 0.1;
+	pipeline_check_config(w.p);
+	run_scans(12);
+	assert_int_equal(reasons(), FAULT_BIT(CONFIG));
+	request_is("FAULT", "none", "none");
+	end();
+}
+
 static void test_last_frames(void **arg)
 {
 	(void)arg;
@@ -1367,6 +1390,7 @@ int main(void)
 		cmocka_unit_test(test_arming),
 		cmocka_unit_test(test_quiet_sends_nothing),
 		cmocka_unit_test(test_new_configuration),
+		cmocka_unit_test(test_configuration_that_changes_by_itself),
 		cmocka_unit_test(test_last_frames),
 		cmocka_unit_test(test_no_clock_no_times),
 		cmocka_unit_test(test_clock_stamps_the_edges),

@@ -20,11 +20,14 @@ void encode_open(struct encode *e, const struct mapping *map);
  * encode_message - one frame, protected as the receiver will check it
  * @message: index into the mapping
  * @roles: bits MAP_* of @value that are known; what is not known is "not available" where the database has such a value
- * @det: target of the message's slot; NULL: the slot is empty (or the message has none)
+ * @det: target of the message's slot or list, or whose quality it tells; NULL: the slot is empty (or the message has none)
  * Values beyond a signal's range are set to its end.
  */
 void encode_message(struct encode *e, int message, uint32_t roles, const double value[MAP_ROLES],
 		    const struct detection *det, int64_t t_ns, struct bus_frame *f);
+
+/** encode_header - the message that begins a scan of @count objects; the mapping has one. */
+void encode_header(struct encode *e, int count, int64_t t_ns, struct bus_frame *f);
 
 /** encode_track - put a target, or none (@det NULL), into a frame that exists; its counter stays, its checksum follows. */
 void encode_track(const struct mapping *map, int message, const struct detection *det,

@@ -3,12 +3,14 @@
  * with 1 ms steps and beside a plain C loop of the same (plain.c). One thread; all measured in turns, so that a noisy
  * machine hits them alike; minima are compared.
  */
+#include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include "compute.h"
 #include "bench_cuda.h"
 #include "bench_scene.h"
+#include "bench_time.h"
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
@@ -19,6 +21,7 @@
 
 #define REF_SAMPLES 64 /* of the reference and of the plain loop, a turn */
 #define ROUNDS      120
+#define SIZES_REPS  5     /* of each number of samples in the figure */
 #define SAMPLES     16384 /* what the daemon uses on a CPU */
 
 struct args {
@@ -48,6 +51,7 @@ struct bench {
 	struct model_out ref[REF_SAMPLES], plain[REF_SAMPLES], out[REF_SAMPLES * MC_FUTURES_MAX];
 	double *ns[TIMED]; /* per sample, [rounds] */
 	uint32_t rounds;
+	struct bench_timing size[BENCH_SIZES_CPU]; /* with --json alone */
 	double p_moving, p_futures[MC_FUTURES_MAX];
 };
 
@@ -225,6 +229,21 @@ static double plain_dev_m(const struct bench *b)
 
 /* ---- output ------------------------------------------------------------------------------------ */
 
+static void json_sizes(struct json *j, const struct bench *b)
+{
+	json_open(j, "figure", '[');
+	for (int i = 0; i < BENCH_SIZES_CPU && b->size[i].p50 > 0; i++) {
+		json_open(j, NULL, '{');
+		json_uint(j, "n", bench_size[i]);
+		json_open(j, "cpu_simd", '{');
+		json_num(j, "p50_ns", b->size[i].p50);
+		json_num(j, "p99_ns", b->size[i].p99);
+		json_close(j, '}');
+		json_close(j, '}');
+	}
+	json_close(j, ']');
+}
+
 static void write_json(const struct args *a, const struct bench *b)
 {
 	struct json j = json_start(stdout);
@@ -246,6 +265,7 @@ static void write_json(const struct args *a, const struct bench *b)
 	json_num(&j, "reference_to_plain_loop", b->ns[REFERENCE][0] / b->ns[PLAIN][0]);
 	json_num(&j, "plain_loop_dev_m", plain_dev_m(b));
 	json_num(&j, "p_moving", b->p_moving);
+	json_sizes(&j, b);
 	json_bool(&j, "interrupted", cli_interrupted());
 	json_close(&j, '}');
 }
@@ -280,6 +300,11 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 	error = error ? error : plain_inputs(b, &a->compute.params);
 	cli_catch_interrupt();
 	error = error ? error : measure(b, (uint32_t)a->samples);
+	if (!error && a->compute.json && !cli_interrupted()) {
+		error = bench_time_sizes(b->ops, b->b,
+					 b->rounds < SIZES_REPS ? b->rounds : SIZES_REPS, b->size);
+		error = error == -EINTR ? 0 : error;
+	}
 	if (error) {
 		return cli_error(CLI_FAILED, name, "%s", strerror(-error));
 	}
@@ -290,6 +315,14 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 		print_words(a, b);
 	}
 	return cli_interrupted() ? cli_error(CLI_FAILED, name, "interrupted") : CLI_GOOD;
+}
+
+/* Every draw is made beforehand, those of the figure too. */
+static uint32_t resident(const struct args *a)
+{
+	const uint32_t least = a->compute.json ? bench_size[BENCH_SIZES_CPU - 1] : REF_SAMPLES;
+
+	return a->samples > least ? (uint32_t)a->samples : least;
 }
 
 int cmd_bench(int argc, char **argv)
@@ -304,7 +337,7 @@ int cmd_bench(int argc, char **argv)
 	if (!code && !strcmp(a.compute.backend, "cuda")) {
 		return bench_cuda(name, &a.compute);
 	}
-	a.compute.params.n_resident = (uint32_t)(a.samples > REF_SAMPLES ? a.samples : REF_SAMPLES);
+	a.compute.params.n_resident = resident(&a);
 	code = code ? code : compute_open(name, &a.compute, &b.ops, &b.b);
 	if (code) {
 		return code;

@@ -9,71 +9,36 @@
 #include "bench_cuda.h"
 #include "bench_scene.h"
 #include "cli.h"
-#include "clock.h"
 #include "draws.h"
 #include "progress.h"
 #include "rollout.h"
 #include "sample.h"
 
-#define REPS_MAX 1000u
 #define RESIDENT 10000000u
 
-const uint32_t bench_cuda_size[BENCH_CUDA_SIZES] = {1000,    2000,    5000,    10000,  20000,
-						    50000,   100000,  200000,  500000, 1000000,
-						    2000000, 5000000, RESIDENT};
 const double bench_cuda_step_s[BENCH_CUDA_STEPS] = {0.001, 0.002, 0.005, 0.010, 0.020};
 
 /* ---- measuring --------------------------------------------------------------------------------- */
 
-static int ascending(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
-static struct bench_cuda_timing timing_of(double *ns, uint32_t n)
-{
-	qsort(ns, n, sizeof(*ns), ascending);
-	return (struct bench_cuda_timing){ns[n / 2], ns[n < 100 ? n - 1 : n * 99 / 100]};
-}
-
 static int time_rung(struct bench_cuda *t, enum mc_cuda_rung rung, const struct mc_request *req,
-		     double dt_s, uint32_t reps, struct bench_cuda_timing *kernel,
-		     struct bench_cuda_timing *total)
+		     double dt_s, uint32_t reps, struct bench_timing *kernel,
+		     struct bench_timing *total)
 {
-	struct mc_cuda_time each[REPS_MAX + 1];
-	double ns[REPS_MAX];
+	struct mc_cuda_time each[BENCH_REPS_MAX + 1];
+	double ns[BENCH_REPS_MAX];
 	int error = mc_cuda_time(t->gpu, rung, req, dt_s, reps + 1, each); /* the first warms up */
 
 	for (uint32_t i = 0; i < reps; i++) {
 		ns[i] = each[i + 1].kernel_ns;
 	}
-	*kernel = timing_of(ns, reps);
+	*kernel = bench_timing_of(ns, reps);
 	for (uint32_t i = 0; i < reps; i++) {
 		ns[i] = each[i + 1].total_ns;
 	}
 	if (total) {
-		*total = timing_of(ns, reps);
+		*total = bench_timing_of(ns, reps);
 	}
 	return error ? error : cli_interrupted() ? -EINTR : 0;
-}
-
-static int time_run(const struct mc_ops *ops, struct mc_backend *b, const struct mc_request *req,
-		    uint32_t reps, struct bench_cuda_timing *ret)
-{
-	double ns[REPS_MAX];
-	struct mc_result res;
-	int error = 0;
-
-	for (uint32_t i = 0; i < reps && !error; i++) {
-		const int64_t start_ns = clock_now_ns();
-
-		error = ops->run(b, req, NULL, &res);
-		ns[i] = (double)(clock_now_ns() - start_ns);
-	}
-	*ret = timing_of(ns, reps);
-	return error;
 }
 
 /* More where it is quick, but the slow ones often enough for a median. */
@@ -89,27 +54,26 @@ static int measure_figure(struct bench_cuda *t, struct progress *line)
 	struct mc_request req;
 	int error = 0;
 
-	for (int i = 0; i < BENCH_CUDA_SIZES && !error; i++) {
-		struct bench_cuda_timing *row = t->figure[i];
+	for (int i = 0; i < BENCH_SIZES && !error; i++) {
+		struct bench_timing *row = t->figure[i];
 
-		bench_scene_paper(&req, bench_cuda_size[i]);
+		bench_scene_paper(&req, bench_size[i]);
 		req.flags |= MC_WANT_IMPACT;
-		error = time_rung(t, MC_CUDA_PAPER, &req, 1e-3, reps_of(bench_cuda_size[i], 40),
+		error = time_rung(t, MC_CUDA_PAPER, &req, 1e-3, reps_of(bench_size[i], 40),
 				  &row[BC_PAPER], &row[BC_PAPER_TOTAL]);
 		error = error ? error
 			      : time_rung(t, MC_CUDA_REFERENCE, &req, 1e-3,
-					  reps_of(bench_cuda_size[i], 40), &row[BC_REFERENCE],
-					  NULL);
+					  reps_of(bench_size[i], 40), &row[BC_REFERENCE], NULL);
 		error = error ? error
-			      : time_rung(t, MC_CUDA_FAST, &req, 1e-3,
-					  reps_of(bench_cuda_size[i], 400), &row[BC_FAST], NULL);
+			      : time_rung(t, MC_CUDA_FAST, &req, 1e-3, reps_of(bench_size[i], 400),
+					  &row[BC_FAST], NULL);
 		error = error ? error
-			      : time_run(&mc_cuda_ops, t->gpu, &req,
-					 reps_of(bench_cuda_size[i], 400), &row[BC_FAST_TOTAL]);
+			      : bench_time_run(&mc_cuda_ops, t->gpu, &req,
+					       reps_of(bench_size[i], 400), &row[BC_FAST_TOTAL]);
 		error = error ? error
-			      : time_run(&mc_cpu_ops, t->cpu, &req, reps_of(bench_cuda_size[i], 40),
-					 &row[BC_CPU]);
-		progress_update(line, 0.6 * (i + 1) / BENCH_CUDA_SIZES, "time against N");
+			      : bench_time_run(&mc_cpu_ops, t->cpu, &req,
+					       reps_of(bench_size[i], 40), &row[BC_CPU]);
+		progress_update(line, 0.6 * (i + 1) / BENCH_SIZES, "time against N");
 	}
 	return error;
 }
@@ -117,14 +81,8 @@ static int measure_figure(struct bench_cuda *t, struct progress *line)
 static int measure_scalar(struct bench_cuda *t)
 {
 	struct model_out out[BENCH_CUDA_SCALAR];
-	struct mc_request req;
 
-	bench_scene_paper(&req, BENCH_CUDA_SCALAR);
-	const int64_t start_ns = clock_now_ns();
-	const int error = mc_cpu_ops.samples(t->cpu, &req, MC_REFERENCE, 0, BENCH_CUDA_SCALAR, out);
-
-	t->scalar_ns = (double)(clock_now_ns() - start_ns) / BENCH_CUDA_SCALAR;
-	return error;
+	return bench_time_scalar(t->cpu, BENCH_CUDA_SCALAR, out, &t->scalar_ns);
 }
 
 static int measure_main(struct bench_cuda *t, struct progress *line)
@@ -144,13 +102,13 @@ static int measure_main(struct bench_cuda *t, struct progress *line)
 		      : time_rung(t, MC_CUDA_REFERENCE, &paper, 1e-3, 100,
 				  &t->main[BC_MAIN_REFERENCE], NULL);
 	error = error ? error
-		      : time_rung(t, MC_CUDA_FAST, &paper, 1e-3, REPS_MAX, &t->main[BC_MAIN_FAST],
-				  NULL);
+		      : time_rung(t, MC_CUDA_FAST, &paper, 1e-3, BENCH_REPS_MAX,
+				  &t->main[BC_MAIN_FAST], NULL);
 	error = error ? error
-		      : time_rung(t, MC_CUDA_FAST, &moving, 1e-3, REPS_MAX,
+		      : time_rung(t, MC_CUDA_FAST, &moving, 1e-3, BENCH_REPS_MAX,
 				  &t->main[BC_MAIN_MOVING], NULL);
 	error = error ? error
-		      : time_rung(t, MC_CUDA_FAST, &futures, 1e-3, REPS_MAX,
+		      : time_rung(t, MC_CUDA_FAST, &futures, 1e-3, BENCH_REPS_MAX,
 				  &t->main[BC_MAIN_FUTURES], NULL);
 	for (int i = 0; i < BENCH_CUDA_STEPS && !error; i++) {
 		error = time_rung(t, MC_CUDA_REFERENCE, &paper, bench_cuda_step_s[i], 10,

@@ -4,22 +4,16 @@
 #ifndef AEBMC_BENCH_CUDA_H
 #define AEBMC_BENCH_CUDA_H
 
+#include "bench_time.h"
 #include "compute.h"
 #include "mc_cuda.h"
 
-#define BENCH_CUDA_SIZES   13
 #define BENCH_CUDA_MAIN    (1u << 20)
 #define BENCH_CUDA_SCALAR  2000u /* samples that the scalar CPU is timed on; the rest is scaled */
 #define BENCH_CUDA_STEPS   5
 #define BENCH_CUDA_TRUTH_S 1e-4 /* step against which the others are held */
 
-extern const uint32_t bench_cuda_size[BENCH_CUDA_SIZES];
 extern const double bench_cuda_step_s[BENCH_CUDA_STEPS];
-
-/* Nanoseconds: median and the value that one in a hundred exceeds (the largest of fewer than a hundred). */
-struct bench_cuda_timing {
-	double p50, p99;
-};
 
 enum bench_cuda_column {
 	BC_PAPER,
@@ -42,8 +36,8 @@ enum bench_cuda_row {
 struct bench_cuda {
 	struct mc_backend *gpu, *cpu;
 	struct mc_cuda_info info;
-	struct bench_cuda_timing figure[BENCH_CUDA_SIZES][BC_COLUMNS];
-	struct bench_cuda_timing main[BC_MAIN_ROWS], peak, step[BENCH_CUDA_STEPS];
+	struct bench_timing figure[BENCH_SIZES][BC_COLUMNS];
+	struct bench_timing main[BC_MAIN_ROWS], peak, step[BENCH_CUDA_STEPS];
 	double scalar_ns; /* a sample, one core */
 	double stop_max_m[BENCH_CUDA_STEPS + 1],
 		stop_rms_m[BENCH_CUDA_STEPS + 1]; /* the last: the fast rollout */

@@ -15,7 +15,7 @@ static const char *const main_words[BC_MAIN_ROWS] = {
 	"fast, paper's scene, statistics and impact", "fast, moving lead, statistics and impact",
 	"fast, moving lead, four futures, everything"};
 
-static void json_timing(struct json *j, const char *key, const struct bench_cuda_timing *x)
+static void json_timing(struct json *j, const char *key, const struct bench_timing *x)
 {
 	json_open(j, key, '{');
 	json_num(j, "p50_ns", x->p50);
@@ -47,9 +47,9 @@ void bench_cuda_json(const struct bench_cuda *t, const struct compute_args *a)
 	json_uint(&j, "cpu_scalar_samples", BENCH_CUDA_SCALAR);
 	json_num(&j, "peak_f32_fma_per_s", MC_CUDA_PEAK_OPS / (t->peak.p50 * 1e-9));
 	json_open(&j, "figure", '[');
-	for (int i = 0; i < BENCH_CUDA_SIZES; i++) {
+	for (int i = 0; i < BENCH_SIZES; i++) {
 		json_open(&j, NULL, '{');
-		json_uint(&j, "n", bench_cuda_size[i]);
+		json_uint(&j, "n", bench_size[i]);
 		for (int c = 0; c < BC_COLUMNS; c++) {
 			json_timing(&j, column_key[c], &t->figure[i][c]);
 		}
@@ -84,25 +84,25 @@ static void print_figure(const struct bench_cuda *t)
 	       "%10s %21s %21s %21s %21s %13s %11s %11s\n",
 	       "N", "paper kernel", "paper with copies", "reference kernel", "fast: run()",
 	       "CPU SIMD", "x scalar*", "x CPU SIMD");
-	for (int i = 0; i < BENCH_CUDA_SIZES; i++) {
-		const struct bench_cuda_timing *r = t->figure[i];
+	for (int i = 0; i < BENCH_SIZES; i++) {
+		const struct bench_timing *r = t->figure[i];
 
-		printf("%10u", bench_cuda_size[i]);
+		printf("%10u", bench_size[i]);
 		for (int c = 0; c < BC_COLUMNS - 1; c++) {
 			if (c != BC_FAST) {
 				printf(" %10.1f (%8.1f)", r[c].p50 * 1e-3, r[c].p99 * 1e-3);
 			}
 		}
 		printf(" %13.1f %11.0f %11.1f\n", r[BC_CPU].p50 * 1e-3,
-		       t->scalar_ns * bench_cuda_size[i] / r[BC_FAST_TOTAL].p50,
+		       t->scalar_ns * bench_size[i] / r[BC_FAST_TOTAL].p50,
 		       r[BC_CPU].p50 / r[BC_FAST_TOTAL].p50);
 	}
 	printf("* scalar f64 reference on one core: %.1f us a sample, timed on %u samples and "
 	       "scaled.\n"
 	       "  paper over the same, with copies, at N = %u: %.0f x\n\n",
-	       t->scalar_ns * 1e-3, BENCH_CUDA_SCALAR, bench_cuda_size[BENCH_CUDA_SIZES - 1],
-	       t->scalar_ns * bench_cuda_size[BENCH_CUDA_SIZES - 1] /
-		       t->figure[BENCH_CUDA_SIZES - 1][BC_PAPER_TOTAL].p50);
+	       t->scalar_ns * 1e-3, BENCH_CUDA_SCALAR, bench_size[BENCH_SIZES - 1],
+	       t->scalar_ns * bench_size[BENCH_SIZES - 1] /
+		       t->figure[BENCH_SIZES - 1][BC_PAPER_TOTAL].p50);
 }
 
 static void print_main(const struct bench_cuda *t)

@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: MIT
+ * How long a batch takes. See bench_time.h.
+ */
+#include "bench_time.h"
+#include <errno.h>
+#include <stdlib.h>
+#include "bench_scene.h"
+#include "cli.h"
+#include "clock.h"
+
+const uint32_t bench_size[BENCH_SIZES] = {1000,    2000,    5000,    10000,  20000,
+					  50000,   100000,  200000,  500000, 1000000,
+					  2000000, 5000000, 10000000};
+
+static int ascending(const void *a, const void *b)
+{
+	const double x = *(const double *)a, y = *(const double *)b;
+
+	return (x > y) - (x < y);
+}
+
+struct bench_timing bench_timing_of(double *ns, uint32_t n)
+{
+	qsort(ns, n, sizeof(*ns), ascending);
+	return (struct bench_timing){ns[n / 2], ns[n < 100 ? n - 1 : n * 99 / 100]};
+}
+
+int bench_time_run(const struct mc_ops *ops, struct mc_backend *b, const struct mc_request *req,
+		   uint32_t reps, struct bench_timing *ret)
+{
+	double ns[BENCH_REPS_MAX];
+	struct mc_result res;
+	int error = 0;
+
+	for (uint32_t i = 0; i < reps && !error; i++) {
+		const int64_t start_ns = clock_now_ns();
+
+		error = ops->run(b, req, NULL, &res);
+		ns[i] = (double)(clock_now_ns() - start_ns);
+	}
+	*ret = bench_timing_of(ns, reps);
+	return error ? error : cli_interrupted() ? -EINTR : 0;
+}
+
+int bench_time_sizes(const struct mc_ops *ops, struct mc_backend *b, uint32_t reps,
+		     struct bench_timing ret[BENCH_SIZES_CPU])
+{
+	struct mc_request req;
+	int error = 0;
+
+	for (int i = 0; i < BENCH_SIZES_CPU && !error; i++) {
+		bench_scene_paper(&req, bench_size[i]);
+		error = bench_time_run(ops, b, &req, reps, &ret[i]);
+	}
+	return error;
+}
+
+int bench_time_scalar(struct mc_backend *cpu, uint32_t n, struct model_out *out, double *ret)
+{
+	struct mc_request req;
+
+	bench_scene_paper(&req, n);
+	const int64_t start_ns = clock_now_ns();
+	const int error = mc_cpu_ops.samples(cpu, &req, MC_REFERENCE, 0, n, out);
+
+	*ret = (double)(clock_now_ns() - start_ns) / n;
+	return error;
+}

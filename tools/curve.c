@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT
  * aebmc curve: the risk against the headway, and the headways at 5, 1 and 0.1 % risk with their time to collision.
- * One histogram of `need` (mc_ops.h) is the whole curve.
  */
 #include <math.h>
 #include <string.h>
@@ -8,13 +7,11 @@
 #include "cli.h"
 #include "cmd.h"
 #include "request.h"
-#include "stats.h"
+#include "risk_curve.h"
 #include "timed_run.h"
 
-#define ROWS_TEXT 30                                        /* most rows of the table */
-#define ROWS_DATA 400                                       /* and of CSV and JSON */
-#define BAR       30                                        /* characters of a full bar */
-#define ZERO      ((int)(MC_HIST_NEED_OFF / MC_HIST_BIN_M)) /* bin of headway 0 */
+#define ROWS_TEXT 30 /* most rows of the table */
+#define BAR       30 /* characters of a full bar */
 #define RESIDENT  65536
 
 struct args {
@@ -28,12 +25,9 @@ struct curve {
 	const char *variant;
 	struct mc_request req;
 	struct mc_result res;
-	const uint64_t *need;
-};
-
-struct row {
-	double headway_m, ttc_s, p, lo, hi;
-	int bound; /* no hit: p is hi */
+	const struct mc_hist *hist;
+	struct risk_row row[RISK_CURVE_ROWS];
+	int rows;
 };
 
 /* ---- arguments --------------------------------------------------------------------------------- */
@@ -89,71 +83,7 @@ static double ttc_s(const struct mc_request *req, double headway_m)
 	return closing_mps > 0 ? headway_m / closing_mps : NAN;
 }
 
-static struct row row_at(const struct curve *c, int bin)
-{
-	struct row r = {.headway_m = bin * MC_HIST_BIN_M - MC_HIST_NEED_OFF};
-	uint64_t hits = 0;
-
-	for (int i = bin; i < MC_HIST_BINS; i++) {
-		hits += c->need[i];
-	}
-	stats_wilson(hits, c->res.n, &r.lo, &r.hi);
-	r.bound = hits == 0;
-	r.p = (double)hits / (double)c->res.n;
-	r.ttc_s = ttc_s(&c->req, r.headway_m);
-	return r;
-}
-
-/* Bins between which something happens: from a risk of 99.9 % (or headway 0) to none. */
-static void span(const struct curve *c, int *first, int *last)
-{
-	uint64_t below = 0;
-	int i = 0;
-
-	while (i < MC_HIST_BINS - 1 && (below + c->need[i]) * 1000 < c->res.n) {
-		below += c->need[i++];
-	}
-	*first = i > ZERO ? i : ZERO;
-	for (i = MC_HIST_BINS - 1; i > *first && !c->need[i - 1];) {
-		i--;
-	}
-	*last = i;
-}
-
-/* The smallest round step, in bins, with at most @rows rows. */
-static int step_for(int bins, int rows)
-{
-	static const int steps[] = {1, 2, 4, 8, 16, 40, 80, 160, 400, 800};
-	size_t i = 0;
-
-	while (i + 1 < sizeof(steps) / sizeof(steps[0]) && bins / steps[i] + 2 > rows) {
-		i++;
-	}
-	return steps[i];
-}
-
-static void each_row(const struct curve *c, int rows, void (*emit)(void *arg, const struct row *r),
-		     void *arg)
-{
-	int first, last;
-
-	span(c, &first, &last);
-	int step = step_for(last - first, rows);
-
-	first = ZERO + (first - ZERO) / step * step; /* round headways */
-	for (int bin = first; bin < last + step && bin < MC_HIST_BINS; bin += step) {
-		struct row r = row_at(c, bin);
-
-		emit(arg, &r);
-	}
-}
-
 /* ---- CSV --------------------------------------------------------------------------------------- */
-
-static void csv_row(void *arg, const struct row *r)
-{
-	fprintf(arg, "%.3f,%.9g,%.9g,%.9g,%d\n", r->headway_m, r->p, r->lo, r->hi, r->bound);
-}
 
 static int write_csv(const char *name, const struct curve *c)
 {
@@ -163,19 +93,19 @@ static int write_csv(const char *name, const struct curve *c)
 		return CLI_FAILED;
 	}
 	fputs("headway_m,risk,risk_lo,risk_hi,below_hi\n", f);
-	each_row(c, ROWS_DATA, csv_row, f);
+	for (const struct risk_row *r = c->row; r < c->row + c->rows; r++) {
+		fprintf(f, "%.3f,%.9g,%.9g,%.9g,%d\n", r->headway_m, r->p, r->lo, r->hi, r->bound);
+	}
 	return cli_close(name, c->args->csv, f);
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------- */
 
-static void json_row(void *arg, const struct row *r)
+static void json_row(struct json *j, const struct curve *c, const struct risk_row *r)
 {
-	struct json *j = arg;
-
 	json_open(j, NULL, '{');
 	json_num(j, "headway_m", r->headway_m);
-	json_num(j, "ttc_s", r->ttc_s);
+	json_num(j, "ttc_s", ttc_s(&c->req, r->headway_m));
 	json_num(j, "risk", r->p);
 	json_num(j, "lo", r->lo);
 	json_num(j, "hi", r->hi);
@@ -211,6 +141,22 @@ static void json_risk(struct json *j, const struct curve *c)
 	json_close(j, '}');
 }
 
+/* Stopping distances by the metre. */
+static void json_stops(struct json *j, const struct curve *c)
+{
+	struct stop_counts s;
+
+	stop_counts(c->hist->stop, &s);
+	json_open(j, "stops", '{');
+	json_num(j, "first_m", s.first_m);
+	json_open(j, "count", '[');
+	for (int i = 0; i < s.n; i++) {
+		json_uint(j, NULL, s.count[i]);
+	}
+	json_close(j, ']');
+	json_close(j, '}');
+}
+
 static void write_json(const struct curve *c)
 {
 	struct json j = json_start(stdout);
@@ -226,16 +172,18 @@ static void write_json(const struct curve *c)
 	json_levels(&j, c, "ttc_s", 1);
 	json_risk(&j, c);
 	json_open(&j, "curve", '[');
-	each_row(c, ROWS_DATA, json_row, &j);
+	for (int i = 0; i < c->rows; i++) {
+		json_row(&j, c, &c->row[i]);
+	}
 	json_close(&j, ']');
+	json_stops(&j, c);
 	json_close(&j, '}');
 }
 
 /* ---- words ------------------------------------------------------------------------------------- */
 
-static void text_row(void *arg, const struct row *r)
+static void text_row(const struct risk_row *r, double decades)
 {
-	double decades = *(const double *)arg; /* from no hit to certainty */
 	int bar = r->bound ? 0 : (int)(BAR * (1 + log10(r->p) / decades) + 0.5);
 
 	printf("%9.1f m ", r->headway_m);
@@ -281,10 +229,11 @@ static void print_risk(const struct curve *c)
 	putchar('\n');
 }
 
-static void print_words(const struct curve *c)
+static void print_words(struct curve *c)
 {
-	double decades = log10((double)c->res.n);
+	const double decades = log10((double)c->res.n); /* from no hit to certainty */
 
+	c->rows = risk_curve(c->hist->need, c->res.n, ROWS_TEXT, c->row);
 	if (c->res.flags & MC_RES_CUT) {
 		printf("Interrupted after %llu of %u samples.\n", (unsigned long long)c->res.n,
 		       c->req.n);
@@ -294,15 +243,18 @@ static void print_words(const struct curve *c)
 	       (unsigned long long)c->args->compute.params.seed, c->variant);
 	printf("    headway               risk   (95 %% interval)                bar: log scale to "
 	       "1/N\n");
-	each_row(c, ROWS_TEXT, text_row, &decades);
+	for (int i = 0; i < c->rows; i++) {
+		text_row(&c->row[i], decades);
+	}
 	printf("\nStopping distance: mean %.2f m, standard deviation %.2f m\n", c->res.stop_mean_m,
 	       c->res.stop_sd_m);
 	print_levels(c);
 	print_risk(c);
 }
 
-static int output(const char *name, const struct curve *c)
+static int output(const char *name, struct curve *c)
 {
+	c->rows = risk_curve(c->hist->need, c->res.n, RISK_CURVE_ROWS, c->row);
 	int code = c->args->csv ? write_csv(name, c) : 0;
 
 	if (c->args->compute.json) {
@@ -331,7 +283,7 @@ int cmd_curve(int argc, char **argv)
 	int error = timed_run(name, ops, b, &c.req, &c.res);
 
 	c.variant = ops->describe(b);
-	c.need = ops->hist(b)->need;
+	c.hist = ops->hist(b);
 	if (error || !c.res.n) {
 		code = cli_error(CLI_FAILED, name, "%s", error ? strerror(-error) : "interrupted");
 	} else {

@@ -11,10 +11,10 @@
 
 #define MC_STATE_DIM     5            /* MODEL_HEADWAY..MODEL_LEAD_ACCEL share a factor       */
 #define MC_FACTOR_LEN    15           /* rows of its lower triangle: (0,0) (1,0) (1,1) (2,0).. */
-#define MC_DIM_PRIOR     MODEL_INPUTS /* draw dimension that picks the lead's prior            */
+#define MC_DIM_PRIOR     MODEL_INPUTS /* draw dimension that picks a row of the prior          */
 #define MC_DIM           (MODEL_INPUTS + 1) /* draw dimensions per sample                            */
 #define MC_FUTURES_MAX   4
-#define MC_PRIORS_MAX    4
+#define MC_PRIORS_MAX    8
 #define MC_HORIZON_MAX_S 30.0f
 #define MC_RISKS         3    /* safe headways are given at 5, 1 and 0.1 %             */
 #define MC_HIST_BINS     8192 /* of 0.125 m; last bin = overflow                       */
@@ -22,11 +22,14 @@
 /* Sampled values below a floor are lifted to it, and the sample is counted in mc_result.floored. */
 enum mc_floor { MC_FLOOR_HEADWAY, MC_FLOOR_MU, MC_FLOOR_MASS, MC_FLOOR_DELAY, MC_FLOORS };
 
-/* What the lead does next: with its weight, al becomes gain * al + offset. */
+/* What may be true of the lead, each sample picking one row: what it does next (al becomes gain * al + offset), and where
+ * what the ego meets first really is (added to headway and vl): another object, or so far ahead that it is never met. */
 struct mc_prior {
 	float weight;      /* >= 0; the weights of a request sum to 1 (+-1e-3) */
 	float gain;        /* [1] */
 	float offset_mps2; /* [m/s2] */
+	float headway_m;   /* [m], added */
+	float speed_mps;   /* [m/s], added; below 0 the sum is lifted to standstill */
 };
 
 /* flags of a request */
@@ -36,7 +39,7 @@ struct mc_prior {
 	4u /* the paper's verdict: still rolling at the horizon counts as contact */
 
 struct mc_request {
-	uint64_t id; /* >= 1; rises from one request of a handle to the next */
+	uint64_t id; /* >= 1; a cut ends all requests up to its id, so no later one may have such an id */
 	uint32_t n;  /* samples, >= 1; beyond the resident draws they are generated on the fly */
 	uint32_t flags;
 	uint32_t n_futures; /* 1..MC_FUTURES_MAX */

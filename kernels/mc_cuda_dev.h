@@ -84,6 +84,8 @@ struct cuda_resident {
 };
 
 static_assert(sizeof(struct cuda_job) % 8 == 0, "copied and checked in words");
+static_assert(sizeof(struct sample_plan) % 16 == 0,
+	      "the plan behind it is read 16 bytes at a time");
 static_assert(sizeof(struct cuda_resident) % 64 == 0, "the draws that follow are aligned");
 
 /* What a kernel reads and writes; every kernel of a batch takes this one argument. */

@@ -79,7 +79,9 @@ static int bad_priors(const struct mc_request *req)
 	for (uint32_t i = 0; i < req->n_priors; i++) {
 		bad |= outside(req->prior[i].weight, 0.0f, 1.001f) |
 		       outside(req->prior[i].gain, -LIMIT, LIMIT) |
-		       outside(req->prior[i].offset_mps2, -LIMIT, LIMIT);
+		       outside(req->prior[i].offset_mps2, -LIMIT, LIMIT) |
+		       outside(req->prior[i].headway_m, -LIMIT, LIMIT) |
+		       outside(req->prior[i].speed_mps, -LIMIT, LIMIT);
 		sum += req->prior[i].weight;
 	}
 	return bad || outside(sum, 0.999f, 1.001f);
@@ -132,9 +134,11 @@ uint64_t mc_request_hash(const struct mc_request *req)
 		h = hash_floats(h, &req->future[i].extra_delay_s, 1);
 	}
 	for (uint32_t i = 0; i < req->n_priors && i < MC_PRIORS_MAX; i++) {
-		h = hash_floats(h, &req->prior[i].weight, 1);
-		h = hash_floats(h, &req->prior[i].gain, 1);
-		h = hash_floats(h, &req->prior[i].offset_mps2, 1);
+		const struct mc_prior *row = &req->prior[i];
+		const float x[] = {row->weight, row->gain, row->offset_mps2, row->headway_m,
+				   row->speed_mps};
+
+		h = hash_floats(h, x, sizeof(x) / sizeof(x[0]));
 	}
 	return h;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * From standard normal draws to the inputs of one sample: means, lower-triangular factor, sigmas, prior of the lead,
+ * From standard normal draws to the inputs of one sample: means, lower-triangular factor, sigmas, prior about the lead,
  * floors. Host and device, same bits.
  */
 #ifndef AEBMC_SAMPLE_H
@@ -16,6 +16,8 @@ struct sample_plan {
 	float prior_cum[MC_PRIORS_MAX]; /* cumulative; the last > 1: a pick always exists */
 	float prior_gain[MC_PRIORS_MAX];
 	float prior_offset[MC_PRIORS_MAX];
+	float prior_headway[MC_PRIORS_MAX];
+	float prior_speed[MC_PRIORS_MAX];
 };
 
 /** sample_plan - derive the plan; an absent prior is "hold". Pure. */
@@ -42,6 +44,8 @@ static inline void sample_plan(const struct mc_request *req, struct sample_plan 
 		p->prior_cum[i] = have && i + 1 < req->n_priors ? cum : 2.0f;
 		p->prior_gain[i] = have ? req->prior[i].gain : 1.0f;
 		p->prior_offset[i] = have ? req->prior[i].offset_mps2 : 0.0f;
+		p->prior_headway[i] = have ? req->prior[i].headway_m : 0.0f;
+		p->prior_speed[i] = have ? req->prior[i].speed_mps : 0.0f;
 	}
 }
 
@@ -57,9 +61,13 @@ HD float sample_lift(float v, float lo, int *lifted)
 /* sample_prior - the row of @x that the uniform @u picks. */
 HD float sample_prior(const float cum[MC_PRIORS_MAX], const float x[MC_PRIORS_MAX], float u)
 {
-	float x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3];
-	float v = u < cum[2] ? x2 : x3;
+	float x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5], x6 = x[6];
+	float v = u < cum[6] ? x6 : x[7];
 
+	v = u < cum[5] ? x5 : v;
+	v = u < cum[4] ? x4 : v;
+	v = u < cum[3] ? x3 : v;
+	v = u < cum[2] ? x2 : v;
 	v = u < cum[1] ? x1 : v;
 	return u < cum[0] ? x0 : v;
 }
@@ -94,6 +102,8 @@ HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__rest
 	al = det_fmaf(f[14], z4, det_fmaf(f[13], z3, det_fmaf(f[12], z2, al)));
 	al = det_fmaf(sample_prior(p->prior_cum, p->prior_gain, u), al,
 		      sample_prior(p->prior_cum, p->prior_offset, u));
+	hw = hw + sample_prior(p->prior_cum, p->prior_headway, u);
+	vl = vl + sample_prior(p->prior_cum, p->prior_speed, u);
 	in[0] = sample_lift(hw, lo[MC_FLOOR_HEADWAY], &lifted);
 	in[o] = sample_lift(ve, 0.0f, &lifted);
 	in[2 * o] = ae;

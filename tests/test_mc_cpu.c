@@ -15,6 +15,10 @@
 #define MOVING_HITS   15379
 #define MOVING_IMPACT 125574782
 
+/* Of the same with the rows of mixture[]. */
+#define MIXTURE_HITS   12164
+#define MIXTURE_IMPACT 167177439
+
 static struct mc_backend *open_backend(uint32_t resident, uint32_t threads, const char *variant)
 {
 	const struct mc_params p = {.kind = MC_SOBOL,
@@ -75,7 +79,7 @@ static void run(struct mc_backend *b, const struct mc_request *req, struct mc_re
 static void near(double got, double want, double by)
 {
 	if (!(fabs(got - want) <= by)) {
-		fail_msg("%.7g is not %.7g +- %g", got, want, by);
+		fail_msg("%.12g is not %.12g +- %g", got, want, by);
 	}
 }
 
@@ -98,8 +102,17 @@ static void test_paper(void **arg)
 	mc_cpu_ops.close(b);
 }
 
+/* What the ego may meet, one row of the prior each: the lead, one that brakes harder, a nearer object, one that stands
+ * behind it, none. */
+static const struct mc_prior mixture[] = {
+	{0.4f, 1.0f, 0.0f, 0.0f, 0.0f},      {0.2f, 1.0f, -2.0f, 0.0f, 0.0f},
+	{0.1f, 1.0f, 4.0f, -10.0f, -4.0f},   {0.1f, 0.0f, 0.0f, 10.0f, -28.0f},
+	{0.2f, 0.0f, 0.0f, 1000.0f, 200.0f},
+};
+#define ROWS (sizeof(mixture) / sizeof(mixture[0]))
+
 /* Threads, variants, and how many draws are resident change nothing. */
-static void test_same_everywhere(void **arg)
+static struct mc_result same_everywhere(uint32_t n_rows)
 {
 	static const uint32_t threads[] = {1, 2, 3, 4};
 	static const uint32_t resident[] = {1, 20000, 6000, 9000};
@@ -107,8 +120,9 @@ static void test_same_everywhere(void **arg)
 	struct mc_result want, got;
 	struct mc_hist hist;
 
-	(void)arg;
 	moving(&req, 20000);
+	req.n_priors = n_rows;
+	memcpy(req.prior, mixture, sizeof(mixture));
 	for (unsigned int v = 0; lanes_name(v); v++) {
 		for (size_t i = 0; lanes_pick(lanes_name(v)) && i < 4; i++) {
 			struct mc_backend *b = open_backend(resident[i], threads[i], lanes_name(v));
@@ -123,10 +137,51 @@ static void test_same_everywhere(void **arg)
 		}
 	}
 	assert_true(want.risk[0].hits < want.risk[1].hits && want.risk[1].hits < want.risk[2].hits);
-	assert_true(want.risk[3].hits > 19000 && want.risk[3].impact_mps > want.risk[2].impact_mps);
-	/* on x86-64 and aarch64 */
-	assert_int_equal(want.risk[2].hits, MOVING_HITS);
-	near(want.risk[2].impact_mps * (double)want.risk[2].hits * 1024.0, MOVING_IMPACT, 0.01);
+	return want;
+}
+
+/* The figures are those of x86-64 and aarch64. */
+static void test_same_everywhere(void **arg)
+{
+	struct mc_result r = same_everywhere(0);
+
+	(void)arg;
+	assert_true(r.risk[3].hits > 19000 && r.risk[3].impact_mps > r.risk[2].impact_mps);
+	assert_int_equal(r.risk[2].hits, MOVING_HITS);
+	near(r.risk[2].impact_mps * (double)r.risk[2].hits * 1024.0, MOVING_IMPACT, 0.01);
+	r = same_everywhere(ROWS);
+	assert_int_equal(r.risk[2].hits, MIXTURE_HITS);
+	near(r.risk[2].impact_mps * (double)r.risk[2].hits * 1024.0, MIXTURE_IMPACT, 0.01);
+}
+
+/* The risk of a mixture is the weighted sum of its rows' risks; what is never met is neither contact nor undecided. */
+static void test_mixture(void **arg)
+{
+	struct mc_backend *b = open_backend(20000, 2, NULL);
+	struct mc_request req;
+	struct mc_result all, one;
+	double want[MC_FUTURES_MAX] = {0};
+
+	(void)arg;
+	moving(&req, 20000);
+	req.n_priors = ROWS;
+	memcpy(req.prior, mixture, sizeof(mixture));
+	run(b, &req, &all);
+	for (size_t i = 0; i < ROWS; i++) {
+		req.n_priors = 1;
+		req.prior[0] = mixture[i];
+		req.prior[0].weight = 1.0f;
+		run(b, &req, &one);
+		for (int f = 0; f < MC_FUTURES_MAX; f++) {
+			want[f] += (double)mixture[i].weight * one.risk[f].p;
+		}
+	}
+	for (int f = 0; f < MC_FUTURES_MAX; f++) {
+		assert_int_equal(one.risk[f].hits + one.risk[f].undecided, 0); /* the last row */
+		near(all.risk[f].p, want[f], 4 * sqrt(want[f] * (1 - want[f]) / 20000));
+	}
+	assert_true(want[1] > 0.01 && want[1] < 0.99);
+	mc_cpu_ops.close(b);
 }
 
 /* A second batch does not see the first; one that wants no histogram leaves none of its figures. */
@@ -283,10 +338,11 @@ static void test_refusals(void **arg)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_paper), cmocka_unit_test(test_same_everywhere),
-		cmocka_unit_test(test_again), cmocka_unit_test(test_rolling),
-		cmocka_unit_test(test_cut),   cmocka_unit_test(test_samples),
-		cmocka_unit_test(test_roll),  cmocka_unit_test(test_refusals),
+		cmocka_unit_test(test_paper),    cmocka_unit_test(test_same_everywhere),
+		cmocka_unit_test(test_mixture),  cmocka_unit_test(test_again),
+		cmocka_unit_test(test_rolling),  cmocka_unit_test(test_cut),
+		cmocka_unit_test(test_samples),  cmocka_unit_test(test_roll),
+		cmocka_unit_test(test_refusals),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

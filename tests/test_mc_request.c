@@ -25,7 +25,7 @@ static struct mc_request full(void)
 		r.future[i] = (struct model_future){-6.0f, 0.1f * (float)i};
 	}
 	for (int i = 0; i < MC_PRIORS_MAX; i++) {
-		r.prior[i] = (struct mc_prior){0.25f, 1.0f, -1.0f};
+		r.prior[i] = (struct mc_prior){0.125f, 1.0f, -1.0f, 5.0f, -2.0f};
 	}
 	return r;
 }
@@ -87,8 +87,8 @@ static const struct {
 	{AT(future[0].extra_delay_s), 1, 0.0f, TOP},
 	{AT(future[3].accel_cmd_mps2), 1, -TOP, 0.0f},
 	{AT(future[3].extra_delay_s), 1, 0.0f, TOP},
-	{AT(prior[0].gain), 2, -TOP, TOP},
-	{AT(prior[3].gain), 2, -TOP, TOP},
+	{AT(prior[0].gain), 4, -TOP, TOP},
+	{AT(prior[7].gain), 4, -TOP, TOP},
 };
 
 static void test_floats(void **arg)
@@ -125,7 +125,7 @@ static void test_counts(void **arg)
 	assert_int_equal(check_word(AT(flags), 8), -EINVAL);
 	assert_int_equal(check_word(AT(n_futures), 0), -EINVAL);
 	assert_int_equal(check_word(AT(n_futures), 5), -EINVAL);
-	assert_int_equal(check_word(AT(n_priors), 5), -EINVAL);
+	assert_int_equal(check_word(AT(n_priors), 9), -EINVAL);
 	assert_int_equal(check_word(AT(n_priors), 0), 0);
 	assert_int_equal(check_word(AT(hist_future), 3), 0);
 	assert_int_equal(check_word(AT(hist_future), 4), -EINVAL);
@@ -154,8 +154,8 @@ static void test_weights(void **arg)
 	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
 		struct mc_request r = full();
 
-		for (int k = 0; k < 4; k++) {
-			r.prior[k].weight = row[i].w[k];
+		for (int k = 0; k < MC_PRIORS_MAX; k++) {
+			r.prior[k].weight = k < 4 ? row[i].w[k] : 0.0f;
 		}
 		assert_int_equal(mc_check(&r), row[i].want);
 	}
@@ -195,7 +195,7 @@ static void test_hash(void **arg)
 			assert_true(mc_request_hash(&s) != h);
 		}
 	}
-	assert_int_equal(h, 0xb759f18bb7a8b91fu);
+	assert_int_equal(h, 0x670936f63af3e10bu);
 }
 
 static void test_preset(void **arg)

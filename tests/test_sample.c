@@ -150,10 +150,10 @@ static void test_priors(void **arg)
 	assert_true(lead_accel(&r, 0.0f) == -2.0f);
 	assert_true(lead_accel(&r, last) == -2.0f);
 	r.n_priors = 4;
-	r.prior[0] = (struct mc_prior){0.5f, 1.0f, 0.0f};
-	r.prior[1] = (struct mc_prior){0.25f, 0.0f, 0.0f};
-	r.prior[2] = (struct mc_prior){0.125f, 0.5f, -1.0f};
-	r.prior[3] = (struct mc_prior){0.125f, 0.0f, -6.0f};
+	r.prior[0] = (struct mc_prior){.weight = 0.5f, .gain = 1.0f};
+	r.prior[1] = (struct mc_prior){.weight = 0.25f};
+	r.prior[2] = (struct mc_prior){.weight = 0.125f, .gain = 0.5f, .offset_mps2 = -1.0f};
+	r.prior[3] = (struct mc_prior){.weight = 0.125f, .offset_mps2 = -6.0f};
 	assert_true(lead_accel(&r, 0.0f) == -2.0f);
 	assert_true(lead_accel(&r, 0.499f) == -2.0f);
 	assert_true(lead_accel(&r, 0.5f) == 0.0f);
@@ -168,8 +168,50 @@ static void test_priors(void **arg)
 	r.prior[1].weight = 0.4995f;
 	assert_true(lead_accel(&r, last) == 0.0f);
 	r.n_priors = 1;
-	r.prior[0] = (struct mc_prior){0.9995f, 3.0f, 0.5f};
+	r.prior[0] = (struct mc_prior){.weight = 0.9995f, .gain = 3.0f, .offset_mps2 = 0.5f};
 	assert_true(lead_accel(&r, last) == -5.5f);
+}
+
+/* Each of the rows, at both ends of its share: what it does to headway, speed and acceleration of the lead; the ego's
+ * inputs stay. */
+static void test_every_row(void **arg)
+{
+	struct mc_request r = scene();
+
+	(void)arg;
+	r.n_priors = MC_PRIORS_MAX;
+	for (int i = 0; i < MC_PRIORS_MAX; i++) {
+		r.prior[i] = (struct mc_prior){.weight = 0.125f,
+					       .gain = (float)i,
+					       .offset_mps2 = 1.0f,
+					       .headway_m = -3.0f * (float)i,
+					       .speed_mps = 2.0f * (float)i};
+	}
+	const struct sample_plan p = planned(&r);
+
+	for (int i = 0; i < 2 * MC_PRIORS_MAX; i++) {
+		const int row = i / 2;
+		float z[MC_DIM] = {0}, in[MODEL_INPUTS];
+
+		z[MC_DIM_PRIOR] = 0.125f * (float)(row + i % 2) - (i % 2 ? 0x1p-24f : 0.0f);
+		assert_int_equal(sample_draw(&p, z, 1, in, 1), 0);
+		for (int k = 0; k < MODEL_INPUTS; k++) {
+			const float want = k == MODEL_HEADWAY      ? 40.0f - 3.0f * (float)row
+					   : k == MODEL_LEAD_SPEED ? 20.0f + 2.0f * (float)row
+					   : k == MODEL_LEAD_ACCEL ? 1.0f - 2.0f * (float)row
+								   : r.mean[k];
+
+			assert_true(in[k] == want);
+		}
+	}
+	/* moved below their floors, both are lifted */
+	r.n_priors = 1;
+	r.prior[0] = (struct mc_prior){.weight = 1.0f, .headway_m = -50.0f, .speed_mps = -30.0f};
+	const struct sample_plan q = planned(&r);
+	float z[MC_DIM] = {0}, in[MODEL_INPUTS];
+
+	assert_int_equal(sample_draw(&q, z, 1, in, 1), 1);
+	assert_true(in[MODEL_HEADWAY] == 1.0f && in[MODEL_LEAD_SPEED] == 0.0f);
 }
 
 /* FNV-1a over all inputs, so that a machine or compiler with other bits is noticed. */
@@ -196,9 +238,9 @@ static void test_bits(void **arg)
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_inputs), cmocka_unit_test(test_floors),
-		cmocka_unit_test(test_signed), cmocka_unit_test(test_priors),
-		cmocka_unit_test(test_bits),
+		cmocka_unit_test(test_inputs),    cmocka_unit_test(test_floors),
+		cmocka_unit_test(test_signed),    cmocka_unit_test(test_priors),
+		cmocka_unit_test(test_every_row), cmocka_unit_test(test_bits),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

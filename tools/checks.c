@@ -187,9 +187,11 @@ static void scene_full(struct mc_request *req, uint32_t n)
 	req->sigma[MODEL_TAU - MC_STATE_DIM] = 0.01f;
 	req->mean[MODEL_DELAY] = 0.1f;
 	req->sigma[MODEL_DELAY - MC_STATE_DIM] = 0.02f;
-	req->n_priors = 2;
-	req->prior[0] = (struct mc_prior){0.7f, 1, 0};
-	req->prior[1] = (struct mc_prior){0.3f, 0.5f, -1};
+	req->n_priors = 4;
+	req->prior[0] = (struct mc_prior){0.5f, 1, 0, 0, 0};
+	req->prior[1] = (struct mc_prior){0.3f, 0.5f, -1, 0, 0};
+	req->prior[2] = (struct mc_prior){0.1f, 1, 4, -6, -3};    /* a nearer object */
+	req->prior[3] = (struct mc_prior){0.1f, 0, 0, 1000, 200}; /* none */
 }
 
 /* Field by field, for there are holes between them. */

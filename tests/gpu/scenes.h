@@ -28,7 +28,12 @@ static inline struct mc_request scene_moving(uint32_t n)
 	static const struct model_future future[MC_FUTURES_MAX] = {
 		{-9.0f, 0.0f}, {-9.0f, 0.05f}, {-4.0f, 1.2f}, {0.0f, 30.0f}};
 	static const struct mc_prior prior[MC_PRIORS_MAX] = {
-		{0.5f, 1.0f, 0.0f}, {0.2f, 0.5f, 0.0f}, {0.1f, 1.0f, -2.0f}, {0.2f, 1.0f, 1.0f}};
+		{0.4f, 1.0f, 0.0f, 0.0f, 0.0f},     {0.1f, 0.5f, 0.0f, 0.0f, 0.0f},
+		{0.1f, 1.0f, -2.0f, 0.0f, 0.0f},    {0.1f, 1.0f, 1.0f, 0.0f, 0.0f},
+		{0.1f, 1.0f, 5.0f, -8.0f, -2.0f},   /* a nearer one */
+		{0.1f, 1.0f, 5.0f, 30.0f, -5.0f},   /* one behind it */
+		{0.05f, 0.0f, 0.0f, 10.0f, -28.0f}, /* one that stands */
+		{0.05f, 0.0f, 0.0f, 1e3f, 200.0f}}; /* none */
 
 	memcpy(r.mean, mean, sizeof(mean));
 	memcpy(r.factor, factor, sizeof(factor));

@@ -4,19 +4,33 @@
 #ifndef AEBMC_BUDGET_H
 #define AEBMC_BUDGET_H
 
-#include <stdint.h>
+#include "mc.h"
 
 #define BUDGET_SAMPLES_MIN 256u /* fewer are no evidence */
 
+/* What a batch of n samples takes: overhead_ns + n * sample_ns. */
+struct budget_cost {
+	double sample_ns;   /* one sample with all futures, > 0 */
+	double overhead_ns; /* >= 0 */
+};
+
+/**
+ * budget_measure - the cost of batches like @like on an open backend with a worker
+ * @target_ns: measured from BUDGET_SAMPLES_MIN upwards until a batch takes as long, or has @max samples
+ * @limit_ns:  a batch that takes longer has failed
+ * The shortest of a few batches counts: what else the machine does meanwhile is not the backend's cost. All carry id 1.
+ * Blocks for about 12 @target_ns at most, or @limit_ns. 0, -ETIMEDOUT, or -errno of the backend; @ret untouched then.
+ */
+int budget_measure(struct mc *mc, const struct mc_request *like, int64_t target_ns,
+		   int64_t limit_ns, uint32_t max, struct budget_cost *ret);
+
 /**
  * budget_samples - largest power of two that fits
- * @ns_per_sample: measured cost of one sample with all futures, > 0
- * @overhead_ns:   fixed cost of a batch, >= 0
- * @target_ns:     aim; @ceiling_ns: hard bound (530 ms); both > 0
- * @max:           configured N (the choice never exceeds it)
+ * @target_ns: aim; @ceiling_ns: hard bound (530 ms); both > 0
+ * @max:       configured N (the choice never exceeds it)
  * Returns N in [BUDGET_SAMPLES_MIN, max]; 0 if not even the minimum fits the ceiling. Pure.
  */
-uint32_t budget_samples(double ns_per_sample, double overhead_ns, int64_t target_ns,
-			int64_t ceiling_ns, uint32_t max);
+uint32_t budget_samples(const struct budget_cost *cost, int64_t target_ns, int64_t ceiling_ns,
+			uint32_t max);
 
 #endif

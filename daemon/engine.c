@@ -8,8 +8,10 @@
 #include <string.h>
 
 #include "calibration.h"
+#include "clock.h"
 #include "fault.h"
 #include "mc_ops.h"
+#include "pipeline.h"
 
 enum choice { CHOICE_AUTO, CHOICE_CPU, CHOICE_CUDA };
 
@@ -22,12 +24,12 @@ static const struct row {
 	{&mc_cpu_ops, CHOICE_CPU, PUBLISH_BACKEND_CPU},
 };
 
-static struct mc_params params_of(const struct config *cfg)
+static struct mc_params params_of(const struct config *cfg, config_int samples)
 {
 	struct mc_params p = {
 		.kind = (enum mc_draws_kind)cfg->mc_draws,
 		.seed = (uint64_t)cfg->mc_seed,
-		.n_resident = (uint32_t)cfg->mc_samples,
+		.n_resident = (uint32_t)samples,
 		.threads = (uint32_t)cfg->mc_threads,
 	};
 
@@ -53,7 +55,7 @@ static const char *why_not(int status)
 int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
 		enum publish_backend *which, char *err, int err_len)
 {
-	const struct mc_params p = params_of(cfg);
+	const struct mc_params p = params_of(cfg, cfg->mc_samples);
 	int status = -ENODEV;
 
 	for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
@@ -113,31 +115,84 @@ static void check_calibration(const struct config *cfg, char *err, int err_len)
 	}
 }
 
+/* Behind a slower car, as uncertain as traffic is: every input drawn, every future rolled. */
+static int typical(const struct config *cfg, struct mc_request *req)
+{
+	static const double sigma[SCENE_DIM] = {0.3, 0.05, 0.3, 0.2, 0.8};
+	struct scene s = {.ego_valid = 1, .lead_valid = 1, .x = {40, 25, -0.5, 20, -1}};
+
+	for (int i = 0; i < SCENE_DIM; i++) {
+		s.cov[i][i] = sigma[i] * sigma[i];
+	}
+	return pipeline_request(cfg, &s, 1, req);
+}
+
+static int choose_size(const struct config *cfg, struct mc *mc, config_int most,
+		       struct engine_size *ret)
+{
+	const int64_t target_ns = clock_s_to_ns(cfg->mc_target / 1e3);
+	const int64_t limit_ns = clock_s_to_ns(cfg->mc_budget / 1e3);
+	struct mc_request req;
+	int err = typical(cfg, &req);
+
+	err = err ? err : budget_measure(mc, &req, target_ns, limit_ns, (uint32_t)most, &ret->cost);
+	if (err) {
+		return err;
+	}
+	ret->samples = budget_samples(&ret->cost, target_ns, limit_ns, (uint32_t)most);
+	return ret->samples ? 0 : -ETIMEDOUT;
+}
+
+static int open_sized(const struct mc_ops *ops, const struct config *cfg, config_int most,
+		      struct mc **ret, struct engine_size *size)
+{
+	const struct mc_params p = params_of(cfg, most);
+	int err = mc_open(ops, &p, MC_WORKER, ret);
+
+	err = err ? err : choose_size(cfg, *ret, most, size);
+	if (err) {
+		mc_close(*ret);
+		*ret = NULL;
+		*size = (struct engine_size){0};
+	}
+	return err;
+}
+
+/* The GPU before the CPU that @e has, or a reason why not. */
+static void open_gpu(const struct config *cfg, struct engine *e, char *err, int err_len)
+{
+	struct engine gpu = {.spare = e->mc, .spare_size = e->size, .which = PUBLISH_BACKEND_GPU};
+	const int status = open_sized(&mc_cuda_ops, cfg, cfg->mc_samples_cuda, &gpu.mc, &gpu.size);
+
+	if (!status) {
+		*e = gpu;
+		check_calibration(cfg, err, err_len);
+	} else if (cfg->mc_backend != CHOICE_AUTO || !is_absent(status)) {
+		e->faults = engine_fault(status);
+		snprintf(err, (size_t)err_len,
+			 "cannot open the cuda backend: %s; running on the CPU", strerror(-status));
+	}
+}
+
 int engine_open_live(const struct config *cfg, struct engine *ret, char *err, int err_len)
 {
-	const struct mc_params p = params_of(cfg);
 	struct engine e = {.which = PUBLISH_BACKEND_CPU};
-	int status = mc_open(&mc_cpu_ops, &p, MC_WORKER, &e.mc);
+	const int status = open_sized(&mc_cpu_ops, cfg, cfg->mc_samples, &e.mc, &e.size);
 
 	err[0] = '\0';
-	if (status) {
+	if (status == -ETIMEDOUT) {
+		snprintf(err, (size_t)err_len,
+			 "the cpu backend does not run %u samples within mc.budget = %g ms",
+			 BUDGET_SAMPLES_MIN, cfg->mc_budget);
+	} else if (status) {
 		snprintf(err, (size_t)err_len, "cannot open the cpu backend: %s",
 			 strerror(-status));
+	}
+	if (status) {
 		return status;
 	}
 	if (cfg->mc_backend != CHOICE_CPU) {
-		struct mc *gpu = NULL;
-
-		status = mc_open(&mc_cuda_ops, &p, MC_WORKER, &gpu);
-		if (!status) {
-			e = (struct engine){gpu, e.mc, PUBLISH_BACKEND_GPU, 0};
-			check_calibration(cfg, err, err_len);
-		} else if (cfg->mc_backend != CHOICE_AUTO || !is_absent(status)) {
-			e.faults = engine_fault(status);
-			snprintf(err, (size_t)err_len,
-				 "cannot open the cuda backend: %s; running on the CPU",
-				 strerror(-status));
-		}
+		open_gpu(cfg, &e, err, err_len);
 	}
 	*ret = e;
 	return 0;

@@ -52,6 +52,16 @@ static void log_level(const struct publish_in *now)
 	service_log(SERVICE_WARNING, "LEVEL", text);
 }
 
+/* Nothing else alters the number of samples while the daemon runs. */
+static void log_mode(const struct status *s)
+{
+	char text[96];
+
+	snprintf(text, sizeof(text), "%s, %u samples per evaluation",
+		 publish_backend_name[s->now.backend], s->stats.samples);
+	service_log(SERVICE_NOTICE, "MODE", text);
+}
+
 static void log_changes(struct live *l)
 {
 	const struct publish_in *now = &l->seen.now;
@@ -59,6 +69,10 @@ static void log_changes(struct live *l)
 	if (now->fault != l->logged_fault) {
 		log_reasons(now->fault, l->logged_fault);
 		l->logged_fault = now->fault;
+	}
+	if (now->backend != l->logged_backend) {
+		log_mode(&l->seen);
+		l->logged_backend = now->backend;
 	}
 	if ((int)now->state != l->logged_state) {
 		service_log(SERVICE_NOTICE, "STATE", state_name[now->state]);

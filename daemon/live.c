@@ -267,8 +267,21 @@ static void stop_thread(struct live *l)
 	l->running = 0;
 }
 
+static void log_size(const char *backend, const struct engine_size *s)
+{
+	char text[160];
+
+	if (s->samples) {
+		snprintf(text, sizeof(text),
+			 "%s: %u samples per evaluation; a batch takes %.3f ms + %.1f ns a sample",
+			 backend, s->samples, s->cost.overhead_ns / 1e6, s->cost.sample_ns);
+		service_log(SERVICE_NOTICE, "SAMPLES", text);
+	}
+}
+
 static int open_mc(struct live *l, char *err, int err_len)
 {
+	const struct engine *e = &l->engine;
 	const int ret = engine_open_live(l->cfg, &l->engine, err, err_len);
 
 	if (ret) {
@@ -277,9 +290,11 @@ static int open_mc(struct live *l, char *err, int err_len)
 	if (err[0]) {
 		service_log(SERVICE_WARNING, l->engine.faults ? "GPU" : "CALIBRATION", err);
 	}
-	pipeline_raise(l->pipeline, l->engine.faults);
-	pipeline_set_spare(l->pipeline, l->engine.spare, (uint32_t)l->cfg->mc_samples);
-	pipeline_set_mc(l->pipeline, l->engine.mc, l->engine.which, (uint32_t)l->cfg->mc_samples);
+	log_size(publish_backend_name[e->which], &e->size);
+	log_size("cpu, standing by", &e->spare_size);
+	pipeline_raise(l->pipeline, e->faults);
+	pipeline_set_spare(l->pipeline, e->spare, e->spare_size.samples);
+	pipeline_set_mc(l->pipeline, e->mc, e->which, e->size.samples);
 	return 0;
 }
 

@@ -43,6 +43,7 @@ struct live {
 	uint64_t fed_steps, fed_confirmed;
 	uint32_t logged_fault;
 	int logged_state, logged_level;
+	enum publish_backend logged_backend;
 };
 
 /** housekeeping_run - everything that may block, until a signal or an error ends the daemon. 0 or -errno, @err says why. */

@@ -23,7 +23,13 @@ enum publish_msg {
 	PUBLISH_MSGS
 };
 
-enum publish_backend { PUBLISH_BACKEND_NONE, PUBLISH_BACKEND_CPU, PUBLISH_BACKEND_GPU };
+enum publish_backend {
+	PUBLISH_BACKEND_NONE,
+	PUBLISH_BACKEND_CPU,
+	PUBLISH_BACKEND_GPU,
+	PUBLISH_BACKENDS
+};
+extern const char *const publish_backend_name[PUBLISH_BACKENDS]; /* "none", "cpu", "cuda" */
 
 /* Everything a frame may carry; the pipeline keeps it current. */
 struct publish_in {

@@ -7,6 +7,12 @@
 #include "codec.h"
 #include "publish_priv.h"
 
+const char *const publish_backend_name[PUBLISH_BACKENDS] = {
+	[PUBLISH_BACKEND_NONE] = "none",
+	[PUBLISH_BACKEND_CPU] = "cpu",
+	[PUBLISH_BACKEND_GPU] = "cuda",
+};
+
 enum style { PLAIN, PERCENT, BOUND, REASONS, HEX };
 
 /* In the order of reading. */

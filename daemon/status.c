@@ -139,6 +139,7 @@ void status_json(const struct status *s, const struct status_link *links, int n_
 	json_num(&j, "accel_mps2", s->now.dec.accel_mps2);
 	json_str(&j, "transmit", transmit_name[s->transmit]);
 	json_bool(&j, "armed", (int)s->armed);
+	json_str(&j, "backend", publish_backend_name[s->now.backend]);
 	json_uint(&j, "evaluation", s->now.eval_id);
 	json_uint(&j, "samples", s->now.samples);
 	json_uint(&j, "hash", s->now.hash);
@@ -152,10 +153,11 @@ void status_json(const struct status *s, const struct status_link *links, int n_
 
 int status_words(const struct status *s, char *line, int size)
 {
-	return snprintf(line, (size_t)size,
-			"%s, %s; %llu evaluations, %llu missed periods, %llu skipped scans",
-			state_name[s->now.state], level_name[s->now.dec.level],
-			(unsigned long long)s->stats.evaluations,
-			(unsigned long long)s->stats.period_miss,
-			(unsigned long long)s->stats.skipped);
+	return snprintf(
+		line, (size_t)size,
+		"%s, %s; %u samples on %s; %llu evaluations, %llu missed periods, %llu "
+		"skipped scans",
+		state_name[s->now.state], level_name[s->now.dec.level], s->stats.samples,
+		publish_backend_name[s->now.backend], (unsigned long long)s->stats.evaluations,
+		(unsigned long long)s->stats.period_miss, (unsigned long long)s->stats.skipped);
 }

@@ -103,6 +103,53 @@ static void test_every_error_has_its_reason(void **state)
 	}
 }
 
+/* Timed through the worker: at least the fewest, at most what the configuration says, a power of two. */
+static void test_size_is_chosen(void **state)
+{
+	static const struct {
+		double target_ms;
+		int64_t most;
+		uint32_t samples;
+	} row[] = {
+		{530, 512, 512},    /* the target is met by far */
+		{530, 1000, 512},   /* a power of two */
+		{1e-3, 16384, 256}, /* no target is met: the fewest */
+	};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		char err[256];
+		struct engine e;
+		struct config cfg;
+
+		config_defaults(&cfg);
+		cfg.mc_backend = CPU;
+		cfg.mc_samples = row[i].most;
+		cfg.mc_target = row[i].target_ms;
+		cfg.mc_budget = 100000;
+		assert_int_equal(engine_open_live(&cfg, &e, err, sizeof(err)), 0);
+		assert_int_equal(e.size.samples, row[i].samples);
+		assert_true(e.size.cost.sample_ns > 0);
+		assert_int_equal(e.spare_size.samples, 0);
+		engine_close(&e);
+	}
+}
+
+static void test_too_slow_for_the_budget(void **state)
+{
+	char err[256];
+	struct engine e;
+	struct config cfg;
+
+	(void)state;
+	config_defaults(&cfg);
+	cfg.mc_backend = CPU;
+	cfg.mc_samples = 256;
+	cfg.mc_budget = 1e-6; /* 1 ns */
+	assert_int_equal(engine_open_live(&cfg, &e, err, sizeof(err)), -ETIMEDOUT);
+	assert_non_null(strstr(err, "does not run 256 samples within mc.budget"));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -110,6 +157,8 @@ int main(void)
 		cmocka_unit_test(test_auto_without_a_gpu_is_no_fault),
 		cmocka_unit_test(test_a_gpu_asked_for_and_missing_is_a_fault),
 		cmocka_unit_test(test_every_error_has_its_reason),
+		cmocka_unit_test(test_size_is_chosen),
+		cmocka_unit_test(test_too_slow_for_the_budget),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -65,7 +65,7 @@ static int compare_all(FILE *in, struct mc *mc, struct tally *t)
 
 static void report(const struct tally *t, enum publish_backend which, int as_json)
 {
-	const char *backend = which == PUBLISH_BACKEND_GPU ? "cuda" : "cpu";
+	const char *backend = publish_backend_name[which];
 	struct json j = json_start(stdout);
 
 	if (!as_json) {

@@ -131,6 +131,11 @@ static int bad_partial(const struct config *c)
 	return c->brake_accel_partial < c->brake_accel;
 }
 
+static int bad_samples(const struct config *c)
+{
+	return c->decision_samples_min > c->mc_samples;
+}
+
 static int bad_release(const struct config *c)
 {
 	return c->decision_p_release > c->decision_p_nobody;
@@ -182,6 +187,8 @@ static const struct check {
 	{"road", "mu_floor", bad_mu_floor, "above road.mu; lower it"},
 	{"brake", "accel_partial", bad_partial,
 	 "brakes harder than brake.accel; raise it towards 0"},
+	{"decision", "samples_min", bad_samples,
+	 "above mc.samples: nothing would ever be evidence"},
 	{"decision", "p_release", bad_release,
 	 "above decision.p_nobody, a request would flicker; lower it"},
 	{"decision", "speed_min", bad_speeds, "not below decision.speed_max; lower it"},

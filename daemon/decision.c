@@ -3,7 +3,6 @@
  */
 #include "decision.h"
 #include <math.h>
-#include "budget.h"
 #include "clock.h"
 #include "fault.h"
 
@@ -18,6 +17,8 @@ const char *const cause_name[CAUSES] = {
 	[CAUSE_INHIBITED] = "inhibited",
 	[CAUSE_NO_EVIDENCE] = "no evidence",
 	[CAUSE_FALLBACK] = "fallback",
+	[CAUSE_NO_LEAD] = "no lead",
+	[CAUSE_DEBOUNCE] = "debounce",
 };
 
 enum threshold { P_WARN, P_PARTIAL, P_DEFER, P_DRIVER, P_NOBODY, THRESHOLDS };
@@ -58,16 +59,23 @@ void decision_futures(const struct config *cfg, struct model_future f[MC_FUTURES
 	f[FUTURE_NOBODY] = (struct model_future){0, (float)cfg->mc_horizon};
 }
 
+/* The paper's levels (Sec. V), or one's own. */
+static double p_defer(const struct config *cfg)
+{
+	return cfg->decision_preset ? mc_risk_level[cfg->decision_preset - 1]
+				    : cfg->decision_p_defer;
+}
+
 static double threshold(const struct config *cfg, enum threshold t)
 {
 	switch (t) {
 	case P_WARN:
 		return cfg->decision_p_warn;
 	case P_PARTIAL:
-		return cfg->decision_partial ? cfg->decision_partial_share * cfg->decision_p_defer
+		return cfg->decision_partial ? cfg->decision_partial_share * p_defer(cfg)
 					     : INFINITY;
 	case P_DEFER:
-		return cfg->decision_p_defer;
+		return p_defer(cfg);
 	case P_DRIVER:
 		return cfg->decision_p_driver;
 	default:
@@ -79,6 +87,17 @@ static int fires(const struct config *cfg, const struct rule *r, const struct mc
 {
 	for (int i = 0; i < r->n; i++) {
 		if (!(res->risk[r->when[i].future].lo > threshold(cfg, r->when[i].above))) {
+			return 0;
+		}
+	}
+	return 1;
+}
+
+/* It does not fire, but with more evidence it might: no upper end rules it out. */
+static int may_fire(const struct config *cfg, const struct rule *r, const struct mc_result *res)
+{
+	for (int i = 0; i < r->n; i++) {
+		if (res->risk[r->when[i].future].hi <= threshold(cfg, r->when[i].above)) {
 			return 0;
 		}
 	}
@@ -98,6 +117,9 @@ static struct verdict by_risk(const struct config *cfg, const struct mc_result *
 			v.wanted = rule_table[i].level;
 			v.cause = CAUSE_RISK;
 			break;
+		}
+		if (may_fire(cfg, &rule_table[i], res)) {
+			v.cause = CAUSE_NO_EVIDENCE;
 		}
 	}
 	return v;
@@ -137,8 +159,11 @@ static struct verdict by_ttc(const struct config *cfg, const struct scene *s)
 static struct verdict judge(const struct config *cfg, const struct mc_result *res,
 			    const struct scene *s, uint32_t fault)
 {
-	if (s->lead_valid && s->lead_scans >= cfg->radar_confirm_scans) {
-		if (res && res->n >= BUDGET_SAMPLES_MIN) {
+	if (!s->lead_valid) {
+		return (struct verdict){LEVEL_NONE, CAUSE_NO_LEAD, 1};
+	}
+	if (s->lead_scans >= cfg->radar_confirm_scans) {
+		if (res && res->n >= (uint64_t)cfg->decision_samples_min) {
 			return by_risk(cfg, res);
 		}
 		if (fault_state(fault) == STATE_DEGRADED) {
@@ -177,8 +202,10 @@ static enum stage_level highest(const struct config *cfg, const struct scene *s,
 static int released(const struct config *cfg, const struct scene *s, int64_t now_ns,
 		    const struct decision_state *st)
 {
-	return st->calm >= cfg->decision_release_evals &&
-	       closing_mps(s) <= cfg->decision_release_closing &&
+	const int apart = closing_mps(s) <= cfg->decision_release_closing ||
+			  now_ns - st->calm_ns >= clock_s_to_ns(cfg->decision_release_max);
+
+	return st->calm >= cfg->decision_release_evals && apart &&
 	       now_ns - st->entered_ns >= clock_s_to_ns(cfg->decision_hold);
 }
 
@@ -208,6 +235,29 @@ static void settle(const struct config *cfg, const struct scene *s, uint32_t fau
 	}
 }
 
+/* Count the evaluations in a row that are calm, and those that ask for each level. */
+static void count(struct decision_state *st, const struct verdict *v, int64_t now_ns)
+{
+	st->calm_ns = v->calm && st->calm ? st->calm_ns : now_ns;
+	st->calm = v->calm ? st->calm + 1 : 0;
+	for (int i = 0; i < LEVELS; i++) {
+		st->asked[i] = v->wanted >= (enum stage_level)i ? st->asked[i] + 1 : 0;
+	}
+}
+
+/* The highest level up to the wanted one that was asked for often enough in a row. A level once entered stays wanted. */
+static void debounce(const struct config *cfg, const struct decision_state *st, struct verdict *v)
+{
+	enum stage_level l = v->wanted;
+
+	while (l > st->level && st->asked[l] < (l == LEVEL_WARN ? cfg->decision_warn_evals
+								: cfg->decision_brake_evals)) {
+		l--;
+		v->cause = CAUSE_DEBOUNCE;
+	}
+	v->wanted = l;
+}
+
 static void enter(struct decision_state *st, enum stage_level to, int64_t now_ns)
 {
 	if (st->level == LEVEL_NONE) {
@@ -226,7 +276,8 @@ struct decision decision_step(const struct config *cfg, const struct mc_result *
 	struct verdict v = judge(cfg, res, s, fault);
 	struct decision d;
 
-	st->calm = v.calm ? st->calm + 1 : 0;
+	count(st, &v, now_ns);
+	debounce(cfg, st, &v);
 	settle(cfg, s, fault, now_ns, st, &v);
 	d = (struct decision){v.wanted, v.cause, accel[v.wanted], v.wanted != st->level};
 	if (d.changed) {

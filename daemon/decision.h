@@ -29,10 +29,12 @@ enum decision_cause {
 	CAUSE_HOLD,     /* kept by hysteresis */
 	CAUSE_RELEASED, /* danger over */
 	CAUSE_STANDSTILL,
-	CAUSE_DRIVER,      /* driver override */
-	CAUSE_INHIBITED,   /* state does not allow a request */
-	CAUSE_NO_EVIDENCE, /* no lead, or too few samples or scans to judge */
-	CAUSE_FALLBACK,    /* deterministic rule (DEGRADED) */
+	CAUSE_DRIVER,    /* driver override */
+	CAUSE_INHIBITED, /* state does not allow a request */
+	CAUSE_NO_EVIDENCE, /* too few samples or scans to judge, or an interval with a threshold in it */
+	CAUSE_FALLBACK, /* deterministic rule (DEGRADED) */
+	CAUSE_NO_LEAD,  /* nothing is followed in the corridor */
+	CAUSE_DEBOUNCE, /* a rule fires, but not often enough in a row yet */
 	CAUSES
 };
 extern const char *const cause_name[CAUSES];
@@ -40,9 +42,11 @@ extern const char *const cause_name[CAUSES];
 /* What is remembered between evaluations. Zero-initialised at start. */
 struct decision_state {
 	enum stage_level level;
-	int64_t entered_ns;       /* when the present level was entered */
-	int64_t warned_ns;        /* when the last warning began; 0 never */
-	uint32_t calm;            /* evaluations in a row that would release */
+	int64_t entered_ns;     /* when the present level was entered */
+	int64_t warned_ns;      /* when the last warning began; 0 never */
+	uint32_t calm;          /* evaluations in a row that would release */
+	int64_t calm_ns;        /* when the first of them was */
+	uint32_t asked[LEVELS]; /* evaluations in a row that asked for this level or a higher one */
 	uint64_t entered[LEVELS]; /* times each level was entered */
 };
 

@@ -10,6 +10,7 @@
 #include "decode.h"
 #include "estimator.h"
 #include "fault.h"
+#include "perception.h"
 #include "scan.h"
 #include "speeds.h"
 #include "tracker.h"
@@ -136,14 +137,15 @@ static void take_roles(struct estimator *e, const struct decode_frame *d, int64_
 
 /* ---- scans ---------------------------------------------------------------------------------- */
 
-static double curvature(const struct estimator *e, int64_t now_ns)
+/* The ego's path: as the yaw rate bends it, straight where that is unknown. */
+static void bend(const struct estimator *e, int64_t now_ns, struct tracker_scan *t)
 {
 	const double v = e->tracker.ego.x[SCENE_EGO_SPEED];
+	const int known = is_role_fresh(e, MAP_YAW_RATE, now_ns) && v >= e->cfg->decision_speed_min;
 
-	if (!is_role_fresh(e, MAP_YAW_RATE, now_ns) || v < e->cfg->decision_speed_min) {
-		return 0;
-	}
-	return e->role[MAP_YAW_RATE].value / v;
+	t->curvature = known ? e->role[MAP_YAW_RATE].value / v : 0;
+	t->curvature_sigma =
+		known ? e->cfg->perception_yaw_sigma / v : e->cfg->perception_curve_sigma;
 }
 
 static int64_t measured_ns(const struct estimator *e, int64_t received_ns)
@@ -164,7 +166,7 @@ static void end_scan(struct estimator *e, int64_t now_ns)
 	while (speeds_pop(&e->speeds, t->t_ns, &s)) {
 		tracker_ego_speed(&e->tracker, s.t_ns, s.mps);
 	}
-	t->curvature = curvature(e, now_ns);
+	bend(e, now_ns, t);
 	tracker_scan(&e->tracker, t);
 	e->scan++;
 	e->scan_ns = now_ns;
@@ -268,8 +270,7 @@ static void hold_if_standing(const struct config *c, struct kalman *k)
 }
 
 /* The filter at @now_ns, with the ego speeds that it has not seen yet. */
-static void predict(const struct estimator *e, const struct kalman *from, int64_t now_ns,
-		    struct scene *s)
+static struct kalman predicted(const struct estimator *e, const struct kalman *from, int64_t now_ns)
 {
 	const struct config *c = e->cfg;
 	struct kalman k = *from;
@@ -282,10 +283,32 @@ static void predict(const struct estimator *e, const struct kalman *from, int64_
 	}
 	kalman_predict(&k, now_ns, c->filter_ego_jerk, c->filter_lead_jerk);
 	hold_if_standing(c, &k);
+	return k;
+}
+
+/* The radar's latency is not known better than to its sigma: what it saw moved on for longer, or for less. */
+static void add_latency(const struct config *c, double x[SCENE_DIM],
+			double cov[SCENE_DIM][SCENE_DIM])
+{
+	const double by = c->radar_latency_sigma;
+	const double d[SCENE_DIM] = {
+		[SCENE_HEADWAY] = (x[SCENE_LEAD_SPEED] - x[SCENE_EGO_SPEED]) * by,
+		[SCENE_LEAD_SPEED] = x[SCENE_LEAD_ACCEL] * by,
+	};
+
 	for (int i = 0; i < SCENE_DIM; i++) {
-		s->x[i] = k.x[i];
 		for (int j = 0; j < SCENE_DIM; j++) {
-			s->cov[i][j] = k.p[i][j];
+			cov[i][j] += d[i] * d[j];
+		}
+	}
+}
+
+static void fill_state(const struct kalman *k, struct scene *s)
+{
+	for (int i = 0; i < SCENE_DIM; i++) {
+		s->x[i] = k->x[i];
+		for (int j = 0; j < SCENE_DIM; j++) {
+			s->cov[i][j] = k->p[i][j];
 		}
 	}
 	clamp_at_standstill(s->x);
@@ -305,13 +328,35 @@ static int64_t oldest_ns(const struct estimator *e, const struct tracker_object 
 	return now_ns - (e->speeds.last.t_ns < t ? e->speeds.last.t_ns : t);
 }
 
-static void fill_lead(const struct estimator *e, const struct tracker_object *lead, struct scene *s)
+static void fill_others(const struct estimator *e, const struct tracker_object *lead,
+			int64_t now_ns, struct scene *s)
+{
+	const struct perception w = perception_weigh(&e->tracker, lead);
+
+	for (int i = 0; i < SCENE_OTHERS; i++) {
+		s->other[i].p = w.p[i];
+		if (w.object[i]) {
+			struct kalman k = predicted(e, &w.object[i]->k, now_ns);
+
+			clamp_at_standstill(k.x);
+			s->other[i].headway_m = k.x[SCENE_HEADWAY];
+			s->other[i].speed_mps = k.x[SCENE_LEAD_SPEED];
+			s->other[i].accel_mps2 = k.x[SCENE_LEAD_ACCEL];
+		}
+	}
+	s->other[SCENE_HIDDEN].headway_m = s->x[SCENE_HEADWAY] + e->cfg->perception_hidden_gap;
+}
+
+static void fill_lead(const struct estimator *e, const struct tracker_object *lead, int64_t now_ns,
+		      struct scene *s)
 {
 	s->lead_valid = 1;
 	s->lateral_m = tracker_lateral(&e->tracker, lead);
 	s->existence = lead->existence;
 	s->lead_id = lead->id;
 	s->lead_scans = lead->hits;
+	add_latency(e->cfg, s->x, s->cov);
+	fill_others(e, lead, now_ns, s);
 }
 
 void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s)
@@ -331,9 +376,11 @@ void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s)
 	const struct tracker_object *lead =
 		is_radar_fresh(e, now_ns) ? tracker_lead(&e->tracker) : NULL;
 
-	predict(e, lead ? &lead->k : &e->tracker.ego, now_ns, s);
+	const struct kalman k = predicted(e, lead ? &lead->k : &e->tracker.ego, now_ns);
+
+	fill_state(&k, s);
 	if (lead) {
-		fill_lead(e, lead, s);
+		fill_lead(e, lead, now_ns, s);
 	}
 	s->oldest_input_ns = oldest_ns(e, lead, now_ns);
 	s->yaw_rate_radps =

@@ -8,6 +8,12 @@
 _Static_assert((int)SCENE_DIM == MC_STATE_DIM && (int)SCENE_LEAD_ACCEL == (int)MODEL_LEAD_ACCEL,
 	       "a scene's state is the correlated part of a request");
 
+#define LEAD_ROWS   4
+#define NOTHING_M   1000 /* so far ahead, and so fast, that it is neither met nor approached */
+#define NOTHING_MPS 200
+
+_Static_assert(LEAD_ROWS + (int)SCENE_OTHERS <= MC_PRIORS_MAX, "a row for each");
+
 /* Column @k of the Cholesky factor. A variance of 0 is a figure known exactly: it may covary with nothing. */
 static int cholesky_column(const double cov[SCENE_DIM][SCENE_DIM], double l[SCENE_DIM][SCENE_DIM],
 			   int k)
@@ -72,12 +78,12 @@ static void independent(const struct config *c, struct mc_request *r)
 	r->floor[MC_FLOOR_MASS] = (float)c->vehicle_mass_floor;
 }
 
-/* Without any weight the lead keeps its acceleration. */
-static void priors(const struct config *c, struct mc_request *r)
+/* What the lead does next, with the probability that it is what the ego meets. */
+static void lead_rows(const struct config *c, double p, struct mc_prior row[LEAD_ROWS])
 {
 	const struct {
 		double weight, gain, offset;
-	} row[MC_PRIORS_MAX] = {
+	} next[LEAD_ROWS] = {
 		{c->lead_hold_weight, 1, 0},
 		{c->lead_decay_weight, c->lead_decay_gain, 0},
 		{c->lead_harder_weight, 1, c->lead_harder_accel},
@@ -85,17 +91,45 @@ static void priors(const struct config *c, struct mc_request *r)
 	};
 	double sum = 0;
 
-	for (int i = 0; i < MC_PRIORS_MAX; i++) {
-		sum += row[i].weight;
+	for (int i = 0; i < LEAD_ROWS; i++) {
+		sum += next[i].weight;
 	}
-	if (!(sum > 0)) {
-		return;
+	for (int i = 0; i < LEAD_ROWS; i++) {
+		const double share = sum > 0 ? next[i].weight / sum : i == 0;
+
+		row[i] = (struct mc_prior){.weight = (float)(p * share),
+					   .gain = (float)next[i].gain,
+					   .offset_mps2 = (float)next[i].offset};
 	}
-	r->n_priors = MC_PRIORS_MAX;
-	for (int i = 0; i < MC_PRIORS_MAX; i++) {
-		r->prior[i] = (struct mc_prior){(float)(row[i].weight / sum), (float)row[i].gain,
-						(float)row[i].offset};
-	}
+}
+
+/* Another object: as uncertain as the lead, elsewhere. */
+static struct mc_prior object_row(const struct scene *s, const struct scene_object *o)
+{
+	return (struct mc_prior){
+		.weight = (float)o->p,
+		.gain = 1,
+		.offset_mps2 = (float)(o->accel_mps2 - s->x[SCENE_LEAD_ACCEL]),
+		.headway_m = (float)(o->headway_m - s->x[SCENE_HEADWAY]),
+		.speed_mps = (float)(o->speed_mps - s->x[SCENE_LEAD_SPEED]),
+	};
+}
+
+/* One row for each thing that the ego may meet, the lead's first. */
+static void priors(const struct config *c, const struct scene *s, struct mc_request *r)
+{
+	const struct scene_object *o = s->other;
+	struct mc_prior *row = &r->prior[LEAD_ROWS];
+
+	lead_rows(c, scene_lead_p(s), r->prior);
+	row[SCENE_NEARER] = object_row(s, &o[SCENE_NEARER]);
+	row[SCENE_BEHIND] = object_row(s, &o[SCENE_BEHIND]);
+	row[SCENE_HIDDEN] = object_row(s, &o[SCENE_HIDDEN]);
+	row[SCENE_HIDDEN].gain = row[SCENE_HIDDEN].offset_mps2 = 0;
+	row[SCENE_NOTHING] = (struct mc_prior){.weight = (float)o[SCENE_NOTHING].p,
+					       .headway_m = NOTHING_M,
+					       .speed_mps = NOTHING_MPS};
+	r->n_priors = LEAD_ROWS + SCENE_OTHERS;
 }
 
 static struct model_vehicle vehicle(const struct config *c)
@@ -141,7 +175,7 @@ int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t i
 		r.mean[i] = (float)s->x[i];
 	}
 	independent(cfg, &r);
-	priors(cfg, &r);
+	priors(cfg, s, &r);
 	decision_futures(cfg, r.future);
 	*req = r;
 	return 0;

@@ -27,6 +27,20 @@ enum scene_reject {
 };
 extern const char *const scene_reject_name[SCENE_REJECTS]; /* "crc", "counter", "length", ... */
 
+/* What the ego may meet instead of the lead, nearest first. */
+enum scene_other {
+	SCENE_NEARER,  /* an object nearer than the lead: not confirmed yet, or about to cut in */
+	SCENE_BEHIND,  /* one behind it, where the lead is none or leaves */
+	SCENE_HIDDEN,  /* a standing one that nobody sees, where the lead leaves */
+	SCENE_NOTHING, /* no object: the lead is none, or leaves */
+	SCENE_OTHERS
+};
+
+struct scene_object {
+	double p; /* that it is met first; the lead is with what the others leave of 1 */
+	double headway_m, speed_mps, accel_mps2; /* 0 of SCENE_NOTHING */
+};
+
 struct scene {
 	int64_t t_ns; /* time the state is valid for: the one asked for, the sensors' latency is bridged */
 	int64_t scan_ns;     /* time the scan ended */
@@ -37,13 +51,25 @@ struct scene {
 	double cov[SCENE_DIM][SCENE_DIM]; /* covariance, SI units */
 	double lateral_m;                 /* of the lead, left positive */
 	double existence;                 /* 0..1; 1 where the radar does not say */
-	uint32_t lead_id;                 /* changes when another object becomes the lead */
-	uint32_t lead_scans;              /* scans it has been followed */
-	int64_t oldest_input_ns;          /* age of the oldest input used [ns] */
+	struct scene_object other[SCENE_OTHERS];
+	uint32_t lead_id;        /* changes when another object becomes the lead */
+	uint32_t lead_scans;     /* scans it has been followed */
+	int64_t oldest_input_ns; /* age of the oldest input used [ns] */
 	int driver_brake,
 		driver_accel; /* 1 pressed (accelerator: past driver.override), 0 not, -1 unknown */
 	double yaw_rate_radps; /* 0 when not mapped */
 	uint32_t fault;        /* fault.def bits (FAULT_BIT) raised by the inputs */
 };
+
+/** scene_lead_p - probability that the lead is what the ego meets first [0..1]. Pure. */
+static inline double scene_lead_p(const struct scene *s)
+{
+	double p = 1;
+
+	for (int i = 0; i < SCENE_OTHERS; i++) {
+		p -= s->other[i].p;
+	}
+	return p > 0 ? p : 0;
+}
 
 #endif

@@ -116,9 +116,23 @@ static void strike_out(struct tracker *t, int n_det, int object, int det)
 
 /* ---- life of an object ---------------------------------------------------------------------- */
 
-static int is_confirmed(const struct tracker *t, const struct tracker_object *o)
+int tracker_confirmed(const struct tracker *t, const struct tracker_object *o)
 {
 	return o->hits >= (uint32_t)t->cfg->radar_confirm_scans;
+}
+
+/* Benedict and Bordner, "Synthesis of an optimal set of radar track-while-scan smoothing equations", IRE Trans. Automatic
+ * Control 7 (1962): the gain on the rate that goes with one on the place. */
+static void follow_sideways(const struct config *c, struct tracker_object *o, double lateral_m,
+			    double step_s)
+{
+	const double gain = 2 / (double)(c->radar_confirm_scans + 1);
+	const double error = lateral_m - o->lateral_m;
+
+	o->lateral_m += gain * error;
+	if (step_s > 0) {
+		o->lateral_mps += gain * gain / (2 - gain) * error / step_s;
+	}
 }
 
 static void follow(const struct tracker *t, struct tracker_object *o, const struct detection *d,
@@ -128,7 +142,7 @@ static void follow(const struct tracker *t, struct tracker_object *o, const stru
 
 	kalman_update(&o->k, KALMAN_DISTANCE, d->distance_m, distance_sigma(c, d));
 	kalman_update(&o->k, KALMAN_RATE, d->rate_mps, rate_sigma(c, d));
-	o->lateral_m += (d->lateral_m - o->lateral_m) * 2 / (double)(c->radar_confirm_scans + 1);
+	follow_sideways(c, o, d->lateral_m, t->step_s);
 	o->existence = d->existence;
 	o->seen_ns = seen_ns;
 	o->hits += !d->fresh;
@@ -203,8 +217,9 @@ double tracker_lateral(const struct tracker *t, const struct tracker_object *o)
 }
 
 /* What surely comes towards us is oncoming traffic, not a lead; a filter may overshoot when its lead stops. */
-static int is_oncoming(const struct config *c, const struct tracker_object *o)
+int tracker_oncoming(const struct tracker *t, const struct tracker_object *o)
 {
+	const struct config *c = t->cfg;
 	const double v = o->k.x[SCENE_LEAD_SPEED] + c->filter_standing_speed;
 
 	return v < 0 &&
@@ -218,7 +233,8 @@ static int may_lead(const struct tracker *t, const struct tracker_object *o)
 	const double limit =
 		c->radar_corridor + (o->id == t->lead_id ? c->radar_corridor_margin : 0);
 
-	return is_confirmed(t, o) && lateral <= limit && lateral >= -limit && !is_oncoming(c, o);
+	return tracker_confirmed(t, o) && lateral <= limit && lateral >= -limit &&
+	       !tracker_oncoming(t, o);
 }
 
 static void choose_lead(struct tracker *t)
@@ -255,11 +271,13 @@ static void predict_all(struct tracker *t, int64_t t_ns)
 	if (silence_ms > (double)t->cfg->bus_stale_periods * t->cfg->radar_period) {
 		t->n = 0;
 	}
+	t->step_s = (double)(t_ns - t->scan_ns) / CLOCK_NS_PER_S;
 	t->scan_ns = t_ns;
 	predict(t, &t->ego, t_ns);
 	kalman_forget_lead(&t->ego);
 	for (int i = 0; i < t->n; i++) {
 		predict(t, &t->object[i].k, t_ns);
+		t->object[i].lateral_m += t->object[i].lateral_mps * t->step_s;
 		t->object[i].missed++;
 	}
 }
@@ -274,6 +292,7 @@ void tracker_scan(struct tracker *t, const struct tracker_scan *s)
 	}
 	predict_all(t, s->t_ns);
 	t->curvature = s->curvature;
+	t->curvature_sigma = s->curvature_sigma;
 	fill_costs(t, s);
 	while (next_pair(t, s->n, &object, &det)) {
 		strike_out(t, s->n, object, det);

@@ -14,7 +14,7 @@
 
 struct tracker_object {
 	struct kalman k;
-	double lateral_m; /* averaged over about confirm_scans scans, left positive */
+	double lateral_m, lateral_mps; /* averaged over about confirm_scans scans, left positive */
 	double existence;
 	int64_t seen_ns; /* reception of its last detection */
 	uint32_t id;     /* from 1, never used twice */
@@ -26,9 +26,10 @@ struct tracker {
 	const struct config *cfg;
 	struct kalman ego; /* the ego alone; valid if ego_valid */
 	int ego_valid;
-	double curvature;          /* of the ego's path, left positive [1/m] */
-	int64_t scan_ns;           /* measurement time of the last scan */
-	uint32_t last_id, lead_id; /* id given last; the lead's, 0 for none */
+	double curvature, curvature_sigma; /* of the ego's path, left positive [1/m] */
+	int64_t scan_ns;                   /* measurement time of the last scan */
+	double step_s;                     /* from the scan before it to the last one */
+	uint32_t last_id, lead_id;         /* id given last; the lead's, 0 for none */
 	int n;
 	struct tracker_object object[TRACKER_OBJECTS_MAX]; /* oldest first */
 	double cost[TRACKER_OBJECTS_MAX][MAP_TRACKS_MAX];
@@ -39,6 +40,7 @@ struct tracker_scan {
 	int64_t t_ns;     /* when it was measured */
 	int64_t seen_ns;  /* when it was received */
 	double curvature; /* of the ego's path; 0 where unknown */
+	double curvature_sigma;
 	int n;
 	struct detection det[MAP_TRACKS_MAX];
 };
@@ -60,6 +62,12 @@ void tracker_scan(struct tracker *t, const struct tracker_scan *s);
 
 /** tracker_lead - the nearest confirmed object in the corridor, or NULL. */
 const struct tracker_object *tracker_lead(const struct tracker *t);
+
+/** tracker_confirmed - seen often enough to count? */
+int tracker_confirmed(const struct tracker *t, const struct tracker_object *o);
+
+/** tracker_oncoming - does it surely come towards the ego? Then it is no lead. */
+int tracker_oncoming(const struct tracker *t, const struct tracker_object *o);
 
 /** tracker_lateral - an object's offset from the ego's path [m], left positive. */
 double tracker_lateral(const struct tracker *t, const struct tracker_object *o);

@@ -101,6 +101,8 @@ static const struct {
 	{"[rt]\npriority = 60\n", ": rt.compute_priority: not below rt.priority"},
 	{"[brake]\naccel_partial = -7\n",
 	 ":2: brake.accel_partial: brakes harder than brake.accel"},
+	{"[mc]\nsamples = 512\n[decision]\nsamples_min = 513\n",
+	 ":4: decision.samples_min: above mc.samples"},
 	{"[decision]\np_release = 0.6\n", ":2: decision.p_release: above decision.p_nobody"},
 	{"[decision]\nspeed_max = 2\n", ": decision.speed_min: not below decision.speed_max"},
 	{"[radar]\nperiod = 12\n", ": radar.scan_gap: not shorter than radar.period"},

@@ -35,6 +35,10 @@ static struct config defaults(void)
 		.decision_partial_share = 0.1,
 		.decision_release_evals = 4,
 		.decision_release_closing = 0.3,
+		.decision_release_max = 2,
+		.decision_samples_min = 256,
+		.decision_warn_evals = 1,
+		.decision_brake_evals = 1,
 		.decision_hold = 0.4,
 		.decision_speed_min = 2.8,
 		.decision_speed_max = 70,
@@ -238,7 +242,7 @@ static void test_nan_is_no_risk_and_no_safety(void **arg)
 		expect(step_p(&r, NAN, NAN, NAN), LEVEL_FULL, CAUSE_HOLD);
 	}
 	r = fresh(LEVEL_NONE);
-	expect(step_p(&r, NAN, NAN, NAN), LEVEL_NONE, CAUSE_NONE);
+	expect(step_p(&r, NAN, NAN, NAN), LEVEL_NONE, CAUSE_NO_EVIDENCE);
 }
 
 static void test_warning_then_full_then_release(void **arg)
@@ -422,9 +426,192 @@ static void test_thin_evidence(void **arg)
 	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_EVIDENCE);
 	r.scene.lead_scans = 4;
 	r.scene.lead_valid = 0;
-	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_LEAD);
 	r.scene.lead_valid = 1;
+	r.cfg.decision_samples_min = 257;
+	expect(step(&r, &res), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+	r.cfg.decision_samples_min = 256;
 	expect(step(&r, &res), LEVEL_WARN, CAUSE_RISK);
+}
+
+/* A threshold within the interval: neither a reason to warn nor the all-clear, as long as no other condition rules the
+ * warning out. */
+static void test_open_interval(void **arg)
+{
+	static const struct {
+		double driver_lo, driver_hi, nobody_lo, nobody_hi;
+		enum decision_cause cause;
+	} row[] = {
+		{0.04, 0.05, 1, 1, CAUSE_NONE},
+		{0.04, 0.05 + EPS, 1, 1, CAUSE_NO_EVIDENCE},
+		{0.04, 0.06, 0, 0.5, CAUSE_NONE},
+		{0.04, 0.06, 0, 0.5 + EPS, CAUSE_NO_EVIDENCE},
+		{0.06, 0.07, 0, 0.5 + EPS, CAUSE_NO_EVIDENCE},
+		{0.06, 0.07, 0.5 + EPS, 1, CAUSE_RISK},
+	};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct run r = fresh(LEVEL_NONE);
+		struct mc_result res = result(0, 0, 0);
+
+		res.risk[FUTURE_DRIVER].lo = row[i].driver_lo;
+		res.risk[FUTURE_DRIVER].hi = row[i].driver_hi;
+		res.risk[FUTURE_NOBODY].lo = row[i].nobody_lo;
+		res.risk[FUTURE_NOBODY].hi = row[i].nobody_hi;
+		expect(step(&r, &res), row[i].cause == CAUSE_RISK ? LEVEL_WARN : LEVEL_NONE,
+		       row[i].cause);
+	}
+	/* what fires is not put in doubt by what might */
+	struct run r = fresh(LEVEL_WARN);
+	struct mc_result res = result(0, 1, 1);
+
+	res.risk[FUTURE_DEFER].hi = 1;
+	expect(step(&r, &res), LEVEL_WARN, CAUSE_RISK);
+}
+
+static void test_presets(void **arg)
+{
+	static const double level[] = {0.02, 0.05, 0.01, 0.001};
+
+	(void)arg;
+	for (int i = 0; i < 4; i++) {
+		struct run r = fresh(LEVEL_WARN);
+
+		r.cfg.decision_p_defer = 0.02;
+		r.cfg.decision_preset = i;
+		expect(step_p(&r, level[i], 1, 1), LEVEL_WARN, CAUSE_RISK);
+		expect(step_p(&r, level[i] + EPS, 1, 1), LEVEL_FULL, CAUSE_RISK);
+		r = fresh(LEVEL_WARN);
+		r.cfg.decision_p_defer = 0.02;
+		r.cfg.decision_preset = i;
+		r.cfg.decision_partial = 1;
+		expect(step_p(&r, level[i] / 10, 1, 1), LEVEL_WARN, CAUSE_RISK);
+		expect(step_p(&r, level[i] / 10 + EPS, 1, 1), LEVEL_PARTIAL, CAUSE_RISK);
+	}
+}
+
+static void test_debounce(void **arg)
+{
+	struct run r = fresh(LEVEL_NONE);
+
+	(void)arg;
+	r.cfg.decision_warn_evals = 2;
+	r.cfg.decision_brake_evals = 3;
+	expect(step_p(&r, 0, 1, 1), LEVEL_NONE, CAUSE_DEBOUNCE);
+	expect(step_p(&r, 0, 0, 1), LEVEL_NONE, CAUSE_NONE); /* not in a row */
+	expect(step_p(&r, 0, 1, 1), LEVEL_NONE, CAUSE_DEBOUNCE);
+	expect(step_p(&r, 0, 1, 1), LEVEL_WARN, CAUSE_RISK);
+	expect(step_p(&r, 1, 1, 1), LEVEL_WARN, CAUSE_DEBOUNCE);
+	expect(step_p(&r, 1, 1, 1), LEVEL_WARN, CAUSE_DEBOUNCE);
+	expect(step_p(&r, 1, 1, 1), LEVEL_FULL, CAUSE_RISK);
+	expect(step_p(&r, 0, 1, 1), LEVEL_FULL, CAUSE_HOLD);
+	expect(step_p(&r, 1, 1, 1), LEVEL_FULL,
+	       CAUSE_RISK); /* entered, it is not asked for again */
+	r = fresh(LEVEL_NONE);
+	r.cfg.decision_warn_evals = 1;
+	r.cfg.decision_brake_evals = 2;
+	expect(step_p(&r, 1, 1, 1), LEVEL_WARN,
+	       CAUSE_DEBOUNCE); /* what counts for full counts for less */
+	expect(step_p(&r, 1, 1, 1), LEVEL_FULL, CAUSE_RISK);
+}
+
+/* Where nothing brakes although it should, closing does not end: neither may the request stay for ever. */
+static void test_release_while_closing(void **arg)
+{
+	struct run r = fresh(LEVEL_FULL);
+
+	(void)arg;
+	for (int i = 0; i < 40; i++) {
+		expect(step_p(&r, 0, 0, 0), LEVEL_FULL, CAUSE_HOLD);
+	}
+	expect(step_p(&r, 0, 0, 0), LEVEL_NONE, CAUSE_RELEASED); /* 2 s after the first */
+}
+
+/* ---- properties ------------------------------------------------------------------------------- */
+
+static uint64_t rng = 88172645463325252u;
+
+static double uniform(void)
+{
+	rng ^= rng << 13;
+	rng ^= rng >> 7;
+	rng ^= rng << 17;
+	return (double)(rng >> 11) * 0x1p-53;
+}
+
+static int one_in(int n)
+{
+	return uniform() * n < 1;
+}
+
+/* Anything at all: risks in any order, intervals of any width, no result, faults, no lead, any speeds and pedals. */
+static struct decision step_wild(struct run *r)
+{
+	struct mc_result res = result(uniform(), uniform(), uniform());
+
+	for (int i = 0; i < FUTURES; i++) {
+		res.risk[i].lo = one_in(50) ? NAN : res.risk[i].p * uniform();
+		res.risk[i].hi = one_in(50) ? NAN : res.risk[i].p + (1 - res.risk[i].p) * uniform();
+	}
+	res.n = one_in(10) ? 100 : 16384;
+	r->scene.lead_valid = !one_in(10);
+	r->scene.lead_scans = (uint32_t)(uniform() * 10);
+	r->scene.ego_valid = !one_in(20);
+	r->scene.driver_accel = one_in(10) - one_in(3);
+	r->scene.x[SCENE_EGO_SPEED] = one_in(5) ? uniform() : 80 * uniform();
+	r->scene.x[SCENE_LEAD_SPEED] = 40 * uniform();
+	r->scene.x[SCENE_HEADWAY] = 50 * uniform();
+	r->fault = one_in(5) ? 1u << (int)(uniform() * FAULTS) : 0;
+	return step(r, one_in(5) ? NULL : &res);
+}
+
+static void check_sane(const struct run *r, struct decision d, enum stage_level before)
+{
+	const double accel[LEVELS] = {0, 0, -4, -6};
+
+	assert_true(d.accel_mps2 == accel[d.level]);
+	assert_int_equal(d.level, r->st.level);
+	assert_int_equal(d.changed, d.level != before);
+	assert_true(before >= LEVEL_WARN || d.level <= LEVEL_WARN); /* a warning comes first */
+	if (fault_state(r->fault) > STATE_DEGRADED || !r->scene.ego_valid) {
+		assert_int_equal(d.level, LEVEL_NONE);
+	}
+	if (r->scene.driver_accel == 1) {
+		assert_true(d.level <= LEVEL_WARN);
+	}
+}
+
+/* Whatever happened before: when the danger is over, whichever way, everything is released within the hold, the calm
+ * evaluations and decision.release_max. */
+static void test_never_stuck(void **arg)
+{
+	(void)arg;
+	for (int trial = 0; trial < 3000; trial++) {
+		struct run r = fresh(LEVEL_NONE);
+		const int way = trial % 4, n = 1 + (int)(uniform() * 40);
+		struct decision d = {0};
+
+		r.cfg.decision_partial = trial / 4 % 2;
+		r.cfg.decision_brake_evals = 1 + trial / 8 % 3;
+		for (int i = 0; i < n; i++) {
+			const enum stage_level before = r.st.level;
+
+			d = step_wild(&r);
+			check_sane(&r, d, before);
+		}
+		r.scene = approach();
+		r.scene.lead_valid = way != 0;
+		r.scene.x[SCENE_EGO_SPEED] = way == 1 ? 0 : 20;
+		r.scene.x[SCENE_LEAD_SPEED] = way == 2 ? 15 : 20; /* still closing, from far away */
+		r.fault = way == 3 && one_in(2) ? FAULT_BIT(MC_ERROR) : 0;
+		for (int i = 0; i < 42; i++) {
+			d = way == 1 ? step_p(&r, 1, 1, 1) : step_p(&r, 0, 0, 0);
+		}
+		if (d.level != LEVEL_NONE || d.accel_mps2 != 0) {
+			fail_msg("trial %d: %s", trial, level_name[d.level]);
+		}
+	}
 }
 
 /* Losing the lead while braking keeps the brakes on for the hold and the calm evaluations, no longer. */
@@ -438,7 +625,7 @@ static void test_lead_lost_while_braking(void **arg)
 		expect(step(&r, NULL), LEVEL_FULL, CAUSE_HOLD);
 	}
 	expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
-	expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_EVIDENCE);
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_LEAD);
 }
 
 /* gap, ego and lead speed, lead acceleration -> level by the deterministic rule */
@@ -552,6 +739,11 @@ int main(void)
 		cmocka_unit_test(test_speed_range),
 		cmocka_unit_test(test_inhibited),
 		cmocka_unit_test(test_thin_evidence),
+		cmocka_unit_test(test_open_interval),
+		cmocka_unit_test(test_presets),
+		cmocka_unit_test(test_debounce),
+		cmocka_unit_test(test_release_while_closing),
+		cmocka_unit_test(test_never_stuck),
 		cmocka_unit_test(test_lead_lost_while_braking),
 		cmocka_unit_test(test_fallback),
 		cmocka_unit_test(test_fallback_only_when_degraded_and_blind),

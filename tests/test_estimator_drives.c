@@ -66,7 +66,8 @@ static int watch_frame(void *arg, const struct bus_frame *f, const struct drive_
 	return 0;
 }
 
-static struct watch run_drive(const char *car, const char *drive, double dropout, double latency_s)
+static struct watch run_drive(const char *car, const char *drive, double dropout, double latency_s,
+			      double latency_sigma_s)
 {
 	struct config cfg;
 	struct mapping *map = drives_load(car, &cfg);
@@ -77,6 +78,7 @@ static struct watch run_drive(const char *car, const char *drive, double dropout
 	struct config told = cfg;
 
 	told.radar_latency += latency_s;
+	told.radar_latency_sigma = latency_sigma_s;
 	assert_int_equal(estimator_open(&told, map, &w.e), 0);
 	assert_int_equal(drive_run(d, &cfg, map, &o), 0);
 	for (int i = 0; i < SCENE_REJECTS; i++) {
@@ -96,7 +98,7 @@ static void errors_are_no_larger_than_it_says(void **state)
 	(void)state;
 	for (int i = 0; i < 16; i++) {
 		const struct watch w =
-			run_drive(cars[i / 8], drives[i % 4], i / 4 % 2 ? 0.1 : 0, 0);
+			run_drive(cars[i / 8], drives[i % 4], i / 4 % 2 ? 0.1 : 0, 0, 0);
 
 		assert_int_equal(w.late_faults, 0);
 		assert_int_equal(w.leads, w.scans_after);
@@ -112,11 +114,25 @@ static void errors_are_no_larger_than_it_says(void **state)
 
 static void a_wrong_latency_shows(void **state)
 {
-	const struct watch w = run_drive("generic", "stopped", 0, -0.075);
+	const struct watch w = run_drive("generic", "stopped", 0, -0.075, 0);
 
 	(void)state;
 	assert_true(w.nees / w.leads > 10 * SCENE_DIM);
 	assert_true(fabs(w.bias[SCENE_HEADWAY] / w.leads - 13.9 * 0.075) < 0.1);
+}
+
+/* A latency that is off by what its sigma allows is within the errors that it states. */
+static void a_latency_within_its_sigma_is_covered(void **state)
+{
+	(void)state;
+	assert_true(run_drive("generic", "stopped", 0, -0.025, 0).nees >
+		    2 * run_drive("generic", "stopped", 0, -0.025, 0.025).nees);
+	for (int i = -1; i <= 1; i += 2) {
+		const struct watch w = run_drive("generic", "stopped", 0, 0.025 * i, 0.025);
+
+		assert_true(fabs(w.bias[SCENE_HEADWAY] / w.leads) > 0.25);
+		assert_true(w.nees / w.leads < SCENE_DIM);
+	}
 }
 
 /* Cars that move in and out: which car leads, and when. */
@@ -180,7 +196,7 @@ static void who_cuts_in_leads_and_who_cuts_out_does_not(void **state)
 
 static void a_standing_lead_stays_where_it_is(void **state)
 {
-	const struct watch w = run_drive("generic", "stopped", 0, 0);
+	const struct watch w = run_drive("generic", "stopped", 0, 0, 0);
 
 	(void)state;
 	assert_true(w.worst[SCENE_LEAD_ACCEL] < 1);
@@ -260,6 +276,7 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(errors_are_no_larger_than_it_says),
 		cmocka_unit_test(a_wrong_latency_shows),
+		cmocka_unit_test(a_latency_within_its_sigma_is_covered),
 		cmocka_unit_test(who_cuts_in_leads_and_who_cuts_out_does_not),
 		cmocka_unit_test(a_standing_lead_stays_where_it_is),
 		cmocka_unit_test(a_recorded_lead_is_followed),

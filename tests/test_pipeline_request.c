@@ -184,7 +184,7 @@ static void test_priors_are_normalised(void **arg)
 	cfg.lead_ease_weight = 0;
 	assert_int_equal(pipeline_request(&cfg, &s, 1, &r), 0);
 	assert_int_equal(mc_check(&r), 0);
-	assert_int_equal(r.n_priors, 4);
+	assert_int_equal(r.n_priors, 8);
 	assert_true(r.prior[0].weight == 0.5f && r.prior[0].gain == 1 &&
 		    r.prior[0].offset_mps2 == 0);
 	assert_true(r.prior[1].weight == 0.25f && r.prior[1].gain == 0.5f);
@@ -193,8 +193,45 @@ static void test_priors_are_normalised(void **arg)
 	assert_true(r.prior[3].weight == 0 && r.prior[3].gain == 0);
 	cfg.lead_hold_weight = cfg.lead_decay_weight = cfg.lead_harder_weight = 0;
 	assert_int_equal(pipeline_request(&cfg, &s, 1, &r), 0);
-	assert_int_equal(r.n_priors, 0); /* no weight at all: hold */
+	assert_true(r.prior[0].weight == 1); /* no weight at all: hold */
 	assert_int_equal(mc_check(&r), 0);
+}
+
+static void assert_row(const struct mc_prior *p, struct mc_prior want)
+{
+	assert_true(fabsf(p->weight - want.weight) < 1e-7f);
+	assert_true(p->gain == want.gain && p->offset_mps2 == want.offset_mps2);
+	assert_true(p->headway_m == want.headway_m && p->speed_mps == want.speed_mps);
+}
+
+/* What is met instead of the lead has a row each, and takes its weight from the lead's. */
+static void test_other_objects(void **arg)
+{
+	struct scene s = scene(); /* 40 m ahead, 25 behind 20 m/s, -1 m/s2 */
+	struct mc_request r;
+
+	(void)arg;
+	s.other[SCENE_NEARER] = (struct scene_object){0.1, 22, 18, 0.5};
+	s.other[SCENE_BEHIND] = (struct scene_object){0.2, 70, 0, 0};
+	s.other[SCENE_HIDDEN] = (struct scene_object){0.05, 50, 0, 0};
+	s.other[SCENE_NOTHING] = (struct scene_object){.p = 0.15};
+	assert_int_equal(pipeline_request(&cfg, &s, 1, &r), 0);
+	assert_int_equal(mc_check(&r), 0);
+	assert_true(fabs(scene_lead_p(&s) - 0.5) < 1e-12);
+	assert_row(&r.prior[0], (struct mc_prior){0.275f, 1, 0, 0, 0});
+	assert_row(&r.prior[1], (struct mc_prior){0.15f, 0.5f, 0, 0, 0});
+	assert_row(&r.prior[2], (struct mc_prior){0.025f, 1, -2, 0, 0});
+	assert_row(&r.prior[3], (struct mc_prior){0.05f, 0, 0, 0, 0});
+	assert_row(&r.prior[4], (struct mc_prior){0.1f, 1, 1.5f, -18, -2});
+	assert_row(&r.prior[5], (struct mc_prior){0.2f, 1, 1, 30, -20});
+	assert_row(&r.prior[6], (struct mc_prior){0.05f, 0, 0, 10, -20});
+	assert_true(fabsf(r.prior[7].weight - 0.15f) < 1e-7f && r.prior[7].gain == 0);
+	/* never met: farther than an ego at 100 m/s gets in any horizon, for it is the faster */
+	assert_true(r.prior[7].headway_m >= 1000 && r.prior[7].speed_mps > 100);
+	s.other[SCENE_NOTHING].p = 0.65 + 1e-15; /* rounding leaves nothing below 0 */
+	assert_int_equal(pipeline_request(&cfg, &s, 1, &r), 0);
+	assert_int_equal(mc_check(&r), 0);
+	assert_true(scene_lead_p(&s) >= 0);
 }
 
 int main(void)
@@ -206,6 +243,7 @@ int main(void)
 		cmocka_unit_test_setup(test_exact_yet_correlated, defaults),
 		cmocka_unit_test_setup(test_options_arrive, defaults),
 		cmocka_unit_test_setup(test_priors_are_normalised, defaults),
+		cmocka_unit_test_setup(test_other_objects, defaults),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

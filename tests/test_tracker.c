@@ -358,6 +358,47 @@ static void a_reset_forgets_everything(void **state)
 	assert_non_null(scan(&w));
 }
 
+static void lateral_motion_is_followed(void **state)
+{
+	struct road w;
+
+	(void)state;
+	open_road(&w);
+	w.noise = 0.1;
+	add(&w, 40, 20, 3.5);
+	scans(&w, 20);
+	assert_true(fabs(w.t.object[0].lateral_mps) < 0.1);
+	for (int i = 0; i < 30; i++) {
+		w.car[0].lateral_m -= 1.2 * SCAN_MS / 1000;
+		scan(&w);
+	}
+	assert_true(fabs(w.t.object[0].lateral_mps + 1.2) < 0.1);
+	assert_true(fabs(w.t.object[0].lateral_m - w.car[0].lateral_m) < 0.1); /* it does not lag */
+	/* unseen, it goes on as it did */
+	w.car[0].hidden = 1;
+	const double before = w.t.object[0].lateral_m;
+
+	scans(&w, 2);
+	assert_true(fabs(before - w.t.object[0].lateral_m - 0.12) < 0.02);
+}
+
+/* Two scans of one time say nothing of a rate. */
+static void a_scan_without_time_keeps_the_rate(void **state)
+{
+	struct road w;
+	struct tracker_scan s = {.n = 1, .det = {{.distance_m = 30, .existence = 1}}};
+
+	(void)state;
+	open_road(&w);
+	tracker_ego_speed(&w.t, 0, EGO_MPS);
+	s.t_ns = MS;
+	tracker_scan(&w.t, &s);
+	s.det[0].lateral_m = 0.5;
+	tracker_scan(&w.t, &s);
+	assert_int_equal(w.t.n, 1);
+	assert_true(w.t.object[0].lateral_m == 0.2 && w.t.object[0].lateral_mps == 0);
+}
+
 /* ---- duplicates ----------------------------------------------------------------------------- */
 
 static void one_car_seen_twice_is_one_object(void **state)
@@ -560,6 +601,8 @@ int main(void)
 		cmocka_unit_test(random_dropouts_do_not_lose_the_lead),
 		cmocka_unit_test(a_silent_radar_makes_a_new_start),
 		cmocka_unit_test(a_reset_forgets_everything),
+		cmocka_unit_test(lateral_motion_is_followed),
+		cmocka_unit_test(a_scan_without_time_keeps_the_rate),
 		cmocka_unit_test(one_car_seen_twice_is_one_object),
 		cmocka_unit_test(objects_that_become_one_are_merged),
 		cmocka_unit_test(more_objects_than_fit_are_left_out),

@@ -15,7 +15,7 @@
 #include <string.h>
 
 #include "../tools/drive.c"
-#include "../tools/drive_run.c"
+#include "../tools/sensors.c"
 #include "../tools/encode.c"
 #include "clock.h"
 #include "config.h"

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: MIT
  * The table of drives and the cars' motion. Which frames come of it is in drive_run.c.
  */
+#include <math.h>
 #include <string.h>
 #include "drive.h"
 
-#define STEP_S    0.001
-#define JERK_MPS3 10.0 /* a hard pedal: 0.5 g within half a second */
-#define KMH(v)    ((v) / 3.6)
-#define G(a)      ((a)*9.81)
+#define JERK_MPS3    10.0 /* a hard pedal: 0.5 g within half a second */
+#define BRAKING_MPS2 -1.0 /* more than the engine does */
+#define KMH(v)       ((v) / 3.6)
+#define G(a)         ((a)*9.81)
 
 const struct drive drive_table[] = {
 	{
@@ -95,24 +96,25 @@ const struct drive *drive_find(const char *name)
 
 /* ---- motion --------------------------------------------------------------------------------- */
 
-static double wanted_accel(const struct drive_path *p, double t_s)
+double drive_accel(const struct drive_path *p, double t_s, double accel_mps2)
 {
-	double accel = 0;
+	double wanted = 0, jerk = JERK_MPS3;
 
 	for (int i = 0; i < DRIVE_PHASES_MAX && p->phase[i].start_s > 0; i++) {
-		accel = t_s >= p->phase[i].start_s ? p->phase[i].accel_mps2 : accel;
+		if (t_s >= p->phase[i].start_s) {
+			wanted = p->phase[i].accel_mps2;
+			jerk = p->phase[i].jerk_mps3 > 0 ? p->phase[i].jerk_mps3 : JERK_MPS3;
+		}
 	}
-	return accel;
+	const double most = jerk * DRIVE_STEP_S, change = wanted - accel_mps2;
+
+	return accel_mps2 + fmax(fmin(change, most), -most);
 }
 
 static void step_car(const struct drive_path *p, double t_s, struct drive_car *c)
 {
-	const double most = JERK_MPS3 * STEP_S;
-	double change = wanted_accel(p, t_s) - c->accel_mps2;
-
-	change = change < most ? change : most;
-	c->accel_mps2 += change > -most ? change : -most;
-	c->speed_mps += c->accel_mps2 * STEP_S;
+	c->accel_mps2 = drive_accel(p, t_s, c->accel_mps2);
+	c->speed_mps += c->accel_mps2 * DRIVE_STEP_S;
 	if (c->speed_mps <= 0) {
 		c->speed_mps = 0;
 		c->accel_mps2 = 0;
@@ -130,18 +132,54 @@ static double lateral(const struct drive_target *g, double t_s)
 	return g->lateral_m + (g->to_lateral_m - g->lateral_m) * x * x * (3 - 2 * x);
 }
 
-void drive_step(const struct drive *d, struct drive_truth *w)
+struct drive_truth drive_begin(const struct drive *d)
 {
-	const double ego_before = w->ego.speed_mps;
+	struct drive_truth w = {.ego.speed_mps = d->ego.speed_mps};
 
-	w->t_s += STEP_S;
-	step_car(&d->ego, w->t_s, &w->ego);
+	for (int i = 0; i < d->n; i++) {
+		const struct drive_target *g = &d->target[i];
+
+		w.target[i] = (struct drive_car){
+			.speed_mps = g->path.speed_mps,
+			.gap_m = g->gap_m,
+			.lateral_m = g->lateral_m,
+		};
+	}
+	return w;
+}
+
+void drive_others(const struct drive *d, struct drive_truth *w, double ego_before_mps)
+{
 	for (int i = 0; i < d->n; i++) {
 		struct drive_car *c = &w->target[i];
 		const double before = c->speed_mps;
 
 		step_car(&d->target[i].path, w->t_s, c);
-		c->gap_m += (before + c->speed_mps - ego_before - w->ego.speed_mps) / 2 * STEP_S;
+		c->gap_m += (before + c->speed_mps - ego_before_mps - w->ego.speed_mps) / 2 *
+			    DRIVE_STEP_S;
 		c->lateral_m = lateral(&d->target[i], w->t_s);
 	}
+}
+
+void drive_step(const struct drive *d, struct drive_truth *w)
+{
+	const double ego_before = w->ego.speed_mps;
+
+	w->t_s += DRIVE_STEP_S;
+	step_car(&d->ego, w->t_s, &w->ego);
+	w->driver_brakes = w->ego.accel_mps2 < BRAKING_MPS2;
+	drive_others(d, w, ego_before);
+}
+
+int drive_contact(const struct drive *d, const struct drive_truth *w, double corridor_m)
+{
+	for (int i = 0; i < d->n; i++) {
+		const struct drive_car *c = &w->target[i];
+
+		if (!d->target[i].no_obstacle && c->gap_m <= 0 &&
+		    fabs(c->lateral_m) <= corridor_m) {
+			return i;
+		}
+	}
+	return -1;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Made-up drives: an ego car and others on a straight road, stepped by 1 ms, seen by a radar with noise, latency and
+ * Made-up drives: an ego car and others on a road, stepped by 1 ms, seen by a radar with noise, latency and
  * dropouts, and written as the frames of a mapping. What happens is a row of a table. Same seed, same frames, on any machine.
  */
 #ifndef AEBMC_DRIVE_H
@@ -7,15 +7,16 @@
 
 #include <stdint.h>
 #include "config.h"
-#include "encode.h"
 #include "mapping.h"
 
-#define DRIVE_TARGETS_MAX 2
-#define DRIVE_PHASES_MAX  5
+#define DRIVE_TARGETS_MAX 3
+#define DRIVE_PHASES_MAX  8
+#define DRIVE_STEP_S      0.001
 
 /* From @start_s on the car seeks this acceleration, its jerk limited; it never drives backwards. */
 struct drive_phase {
 	double start_s, accel_mps2;
+	double jerk_mps3; /* 0: 10, a hard pedal; INFINITY: at once */
 };
 
 struct drive_path {
@@ -29,6 +30,11 @@ struct drive_target {
 	struct drive_path path;
 	double lateral_m, to_lateral_m; /* left positive */
 	double change_s, changed_s;     /* begin and end of the change; both 0: none */
+	/* how the radar sees it */
+	double existence;      /* what it says of it; 0: 0.99 */
+	double seen_m, lost_m; /* reported below the first gap and above the second; 0: always */
+	double missed;         /* probability that a scan misses it, beside the radar's own */
+	int no_obstacle;       /* 1: can be driven over */
 };
 
 struct drive {
@@ -37,6 +43,7 @@ struct drive {
 	struct drive_path ego;
 	int n;
 	struct drive_target target[DRIVE_TARGETS_MAX];
+	double curvature_pm; /* of the road, left positive */
 };
 
 /* All drives, ended by a row without a name. */
@@ -51,13 +58,26 @@ struct drive_car {
 struct drive_truth {
 	double t_s; /* since the start of the drive */
 	struct drive_car ego, target[DRIVE_TARGETS_MAX];
+	int driver_brakes; /* the pedal */
 };
 
 /** drive_find - by name, or NULL. */
 const struct drive *drive_find(const char *name);
 
+/** drive_begin - the truth at the start. Pure. */
+struct drive_truth drive_begin(const struct drive *d);
+
+/** drive_accel - the acceleration one millisecond after @accel_mps2 of a car on path @p at time @t_s. Pure. */
+double drive_accel(const struct drive_path *p, double t_s, double accel_mps2);
+
 /** drive_step - one millisecond on: every car follows its path. Pure. */
 void drive_step(const struct drive *d, struct drive_truth *w);
+
+/** drive_others - the same for all but the ego, which the caller has moved: @ego_before_mps was its speed. Pure. */
+void drive_others(const struct drive *d, struct drive_truth *w, double ego_before_mps);
+
+/** drive_contact - index of a car within @corridor_m to either side that the ego has reached, -1 for none. Pure. */
+int drive_contact(const struct drive *d, const struct drive_truth *w, double corridor_m);
 
 struct drive_options {
 	uint64_t seed;
@@ -72,7 +92,7 @@ struct drive_options {
  * drive_run - the frames of a drive, from DRIVE_START_NS on
  * @cfg: noise (range_sigma, rate_sigma, ego_sigma), latency and scan period of the sensors
  * @map: frames, periods and protection. Of several targets a radar with one slot reports the nearest within @cfg's
- * corridor; one with more slots reports all and moves them between slots.
+ * corridor; one with more slots reports all and moves them between slots; one with a list reports all by number.
  * Returns 0, or what @emit returned. No allocation.
  */
 int drive_run(const struct drive *d, const struct config *cfg, const struct mapping *map,

@@ -6,6 +6,7 @@
 #define AEBMC_SPLICE_H
 
 #include "drive.h"
+#include "encode.h"
 #include "estimator.h"
 #include "noise.h"
 

@@ -9,6 +9,7 @@
 #define ALIGN_BYTES  64
 #define ALIGN_FLOATS (ALIGN_BYTES / sizeof(float))
 #define RESIDENT_MAX (1u << 24)
+#define SLICE_WORDS  16384
 #define KEY_GROUP    0xffffffffu /* a Philox group that no draw uses: scrambles come from it */
 
 _Static_assert(MC_DIM % 4 == 0, "draws are made four dimensions at a time");
@@ -16,7 +17,8 @@ _Static_assert(MC_DIM % 4 == 0, "draws are made four dimensions at a time");
 struct draws {
 	struct normal_plan plan;
 	float *z; /* [MC_DIM][stride] */
-	uint32_t stride;
+	uint32_t stride, slices;
+	uint64_t *sum; /* [slices]: of the table as it was made */
 };
 
 /* Joe, Kuo, "Constructing Sobol sequences with better two-dimensional projections", SIAM J. Sci. Comput. 30 (2008),
@@ -111,6 +113,36 @@ int draws_plan(const struct mc_params *p, struct normal_plan *ret)
 	return 0;
 }
 
+/* Any single flipped bit alters the sum: every weight is odd. */
+static uint64_t slice_sum(const struct draws *d, uint32_t slice)
+{
+	const size_t all = (size_t)MC_DIM * d->stride, from = (size_t)slice * SLICE_WORDS;
+	const size_t to = from + SLICE_WORDS < all ? from + SLICE_WORDS : all;
+	uint64_t sum = 0;
+
+	for (size_t i = from; i < to; i++) {
+		sum += (uint64_t)det_bits(d->z[i]) * (2 * i + 1);
+	}
+	return sum;
+}
+
+static int keep_sums(struct draws *d)
+{
+	d->slices = (MC_DIM * d->stride + SLICE_WORDS - 1) / SLICE_WORDS;
+	d->sum = calloc(d->slices, sizeof(*d->sum));
+	for (uint32_t i = 0; d->sum && i < d->slices; i++) {
+		d->sum[i] = slice_sum(d, i);
+	}
+	return d->sum ? 0 : -ENOMEM;
+}
+
+int draws_intact(const struct draws *d, uint64_t turn)
+{
+	const uint32_t slice = (uint32_t)(turn % d->slices);
+
+	return slice_sum(d, slice) == d->sum[slice];
+}
+
 int draws_open(const struct mc_params *p, struct draws **ret)
 {
 	struct draws *d = calloc(1, sizeof(*d));
@@ -127,6 +159,10 @@ int draws_open(const struct mc_params *p, struct draws **ret)
 		goto out;
 	}
 	draws_fill(d, 0, d->stride, d->z, d->stride);
+	err = keep_sums(d);
+	if (err) {
+		goto out;
+	}
 	*ret = d;
 	return 0;
 out:
@@ -157,6 +193,7 @@ void draws_fill(const struct draws *d, uint64_t first, uint32_t count, float *z,
 void draws_close(struct draws *d)
 {
 	if (d) {
+		free(d->sum);
 		free(d->z);
 		free(d);
 	}

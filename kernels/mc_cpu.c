@@ -47,6 +47,7 @@ struct mc_backend {
 	struct worker *worker; /* [threads] */
 	sem_t done;
 	int stop;
+	uint64_t batches;
 	struct task task;
 	struct mc_hist hist;
 };
@@ -200,7 +201,7 @@ static int cpu_run(struct mc_backend *b, const struct mc_request *req, const uin
 		}
 	}
 	stats_finish(req, &sums, want_hist ? &b->hist : NULL, res);
-	return 0;
+	return draws_intact(b->draws, b->batches++) ? 0 : -EBADMSG;
 }
 
 static int cpu_samples(struct mc_backend *b, const struct mc_request *req, enum mc_rollout which,

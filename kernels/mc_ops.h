@@ -52,7 +52,7 @@ struct mc_ops {
 };
 
 /*
- * Errors of the CUDA backend, each of which says what happened:
+ * Errors of the CUDA backend, each of which says what happened (of the CPU's: -ENOMEM, and -EBADMSG for its draws):
  * -ENOTSUP   not part of this build                 -EIO        a launch or another call failed
  * -ENOSYS    no driver, or one too old              -EFAULT     a kernel touched an illegal address
  * -ENODEV    no device                              -ETIMEDOUT  a batch did not end (hang)

@@ -6,8 +6,6 @@
 #include "codec.h"
 #include "decode.h"
 
-enum value { VALUE_OK, VALUE_ABSENT, VALUE_NOT_AVAILABLE, VALUE_RANGE };
-
 void decode_open(struct decode *d, const struct mapping *map, double range_max_m,
 		 double existence_min)
 {
@@ -74,38 +72,38 @@ static int check(struct decode *d, int message, const struct bus_frame *f)
 
 /* ---- values --------------------------------------------------------------------------------- */
 
-static enum value read_value(const struct map_signal *s, const struct dbc_message *msg,
+enum decode_got decode_value(const struct map_signal *s, const struct dbc_message *msg,
 			     const uint8_t *data, double *si)
 {
 	if (!s->sig || !codec_present(msg, s->sig, data)) {
-		return VALUE_ABSENT;
+		return DECODE_ABSENT;
 	}
 	const uint64_t raw = codec_raw(s->sig, data);
 
 	if (s->has_na && raw == s->na_raw) {
-		return VALUE_NOT_AVAILABLE;
+		return DECODE_NOT_AVAILABLE;
 	}
 	if (!codec_in_range(s->sig, raw)) {
-		return VALUE_RANGE;
+		return DECODE_OUT_OF_RANGE;
 	}
 	if (s->table && raw >= s->table->n) {
-		return VALUE_RANGE;
+		return DECODE_OUT_OF_RANGE;
 	}
 	*si = s->gain * (s->table ? s->table->value[raw] : codec_phys(s->sig, raw)) + s->offset;
-	return VALUE_OK;
+	return DECODE_OK;
 }
 
 /* Reads a value and counts why there is none. A signal that is not mapped, or in another message, leaves *@si as it is. */
-static enum value take_value(struct decode *d, int message, const struct map_signal *s,
-			     const uint8_t *data, double *si)
+static enum decode_got take_value(struct decode *d, int message, const struct map_signal *s,
+				  const uint8_t *data, double *si)
 {
 	if (!s->sig || s->message != message) {
-		return VALUE_OK;
+		return DECODE_OK;
 	}
-	const enum value got = read_value(s, d->map->message[message].msg, data, si);
+	const enum decode_got got = decode_value(s, d->map->message[message].msg, data, si);
 
-	d->rejected[SCENE_REJECT_NOT_AVAILABLE] += got == VALUE_NOT_AVAILABLE;
-	d->rejected[SCENE_REJECT_RANGE] += got == VALUE_RANGE;
+	d->rejected[SCENE_REJECT_NOT_AVAILABLE] += got == DECODE_NOT_AVAILABLE;
+	d->rejected[SCENE_REJECT_RANGE] += got == DECODE_OUT_OF_RANGE;
 	return got;
 }
 
@@ -171,15 +169,15 @@ static int take_track(struct decode *d, const uint8_t *data, struct decode_frame
 	if (valid == 0) {
 		return 1;
 	}
-	const enum value got =
+	const enum decode_got got =
 		take_value(d, out->message, &t->distance, data, &out->det.distance_m);
 
-	if (got == VALUE_ABSENT) {
+	if (got == DECODE_ABSENT) {
 		out->track = -1; /* the frame is about something else */
 		out->part = MAP_NO_PART;
 	}
-	if (got != VALUE_OK) {
-		return got != VALUE_RANGE;
+	if (got != DECODE_OK) {
+		return got != DECODE_OUT_OF_RANGE;
 	}
 	if (!take_target(d, out->message, t, data, &out->det)) {
 		return 0;

@@ -59,7 +59,7 @@ void decision_futures(const struct config *cfg, struct model_future f[MC_FUTURES
 	f[FUTURE_NOBODY] = (struct model_future){0, (float)cfg->mc_horizon};
 }
 
-/* The paper's levels (Sec. V), or one's own. */
+/* The paper's levels (Sec. VI), or one's own. */
 static double p_defer(const struct config *cfg)
 {
 	return cfg->decision_preset ? mc_risk_level[cfg->decision_preset - 1]

@@ -101,6 +101,7 @@ static void pack_risk(struct publish *p, const struct publish_in *in, int64_t no
 {
 	const struct mc_risk *r = risk_of(p, in, now_ns, FUTURE_DEFER);
 
+	put_raw(data, AEB_RISK_CAUSE, in->dec.cause);
 	put_raw(data, AEB_RISK_EVAL_ID, short_id(in->eval_id));
 	put(data, AEB_RISK_IMPACT_SPEED, r->impact_mps, NEAREST);
 	put(data, AEB_RISK_P_LOW, r->lo, DOWN);

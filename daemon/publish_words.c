@@ -29,6 +29,7 @@ static const struct word_row {
 	{PUBLISH_REQUEST, AEB_REQUEST_P_COLLISION, "risk if braking waits", BOUND},
 	{PUBLISH_REQUEST, AEB_REQUEST_TTL, "valid for", PLAIN},
 	{PUBLISH_REQUEST, AEB_REQUEST_EVAL_ID, "evaluation", PLAIN},
+	{PUBLISH_RISK, AEB_RISK_CAUSE, "cause", PLAIN},
 	{PUBLISH_RISK, AEB_RISK_P_LOW, "risk if braking waits at least", PERCENT},
 	{PUBLISH_RISK, AEB_RISK_P_HIGH, "at most", PERCENT},
 	{PUBLISH_RISK, AEB_RISK_IMPACT_SPEED, "impact speed", PLAIN},

@@ -38,7 +38,7 @@ static struct publish_in braking(void)
 {
 	struct publish_in in = {
 		.state = STATE_BRAKE,
-		.dec = {.level = LEVEL_FULL, .accel_mps2 = -6},
+		.dec = {.level = LEVEL_FULL, .cause = CAUSE_RISK, .accel_mps2 = -6},
 		.have_scan = 1,
 		.scan_ns = NOW - 30 * MS,
 		.have_result = 1,
@@ -149,6 +149,25 @@ static void test_shadow_never_asks(void **arg)
 	assert_int_equal(raw(&f, AEB_REQUEST_STAGE), AEB_REQUEST_STAGE_FULL);
 	near(phys(&f, AEB_REQUEST_DECEL), 0);
 	assert_int_equal(raw(&g, AEB_STATUS_TRANSMIT), AEB_STATUS_TRANSMIT_SHADOW);
+	publish_close(p);
+}
+
+/* The contract's words for the causes are ours, one for each. */
+static void test_causes(void **arg)
+{
+	struct publish *p = opened(NULL, NULL);
+	struct publish_in in = braking();
+
+	(void)arg;
+	for (int i = 0; i < CAUSES; i++) {
+		in.dec.cause = (enum decision_cause)i;
+		const struct bus_frame f = pack(p, PUBLISH_RISK, &in);
+
+		assert_int_equal(raw(&f, AEB_RISK_CAUSE), i);
+		assert_string_equal(dbc_value_text(&contract_signal[AEB_RISK_CAUSE], (uint64_t)i),
+				    cause_name[i]);
+	}
+	assert_true(contract_signal[AEB_RISK_CAUSE].max == CAUSES - 1);
 	publish_close(p);
 }
 
@@ -454,10 +473,10 @@ static void test_words(void **arg)
 		  "if "
 		  "braking waits below 0.01875 %, valid for 120 ms, evaluation 45");
 	f = pack(p, PUBLISH_RISK, &in);
-	words_are(
-		p, &f,
-		"AEB_RISK: risk if braking waits at least 0 %, at most 0.01875 %, impact speed not "
-		"available, evaluation 45");
+	words_are(p, &f,
+		  "AEB_RISK: cause risk, risk if braking waits at least 0 %, at most 0.01875 %, "
+		  "impact speed not "
+		  "available, evaluation 45");
 	f = pack(p, PUBLISH_MARGIN, &in);
 	words_are(p, &f,
 		  "AEB_MARGIN: risk if the driver brakes at most 60 %, if nobody does at most 98 "
@@ -531,6 +550,7 @@ int main(void)
 		cmocka_unit_test(test_request),
 		cmocka_unit_test(test_levels_and_states),
 		cmocka_unit_test(test_shadow_never_asks),
+		cmocka_unit_test(test_causes),
 		cmocka_unit_test(test_no_data_is_not_no_risk),
 		cmocka_unit_test(test_below_three_over_n),
 		cmocka_unit_test(test_rounding_is_careful),

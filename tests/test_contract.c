@@ -339,7 +339,7 @@ static void positive_acceleration_is_refused(void **state)
 static void hash_is_pinned(void **state)
 {
 	(void)state;
-	assert_int_equal(contract_hash(), 0x64C6);
+	assert_int_equal(contract_hash(), 0x8058);
 }
 
 int main(int argc, char **argv)

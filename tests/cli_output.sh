@@ -67,7 +67,7 @@ json "verify: the agreed keys" "$tmp/out" \
 	'j["max_stop_dev_m"] < 5e-4 and j["verdict_mismatches"] == 0 and j["bits_equal"] is True and j["threads_used"] == [1, 2, 4] and len(j["variants"]) > 0'
 ok "bench --json" "$AEBMC" bench --rounds 2 --json
 json "bench: the agreed keys" "$tmp/out" \
-	'all(j[k] > 0 for k in ("reference_ns", "paper_ns", "moving_ns", "futures_ns", "paper_ratio", "moving_ratio", "plain_loop_ns"))'
+	'all(j[k] > 0 for k in ("reference_ns", "paper_ns", "moving_ns", "futures_ns", "perception_ns", "evaluation_ms", "paper_ratio", "moving_ratio", "plain_loop_ns"))'
 json "bench: the plain loop computes what the reference does" "$tmp/out" 'j["plain_loop_dev_m"] < 1e-4'
 ok "replay --json" "$AEBMC" replay --config $car --out "$ours" --json "$drive"
 json "replay: the agreed keys" "$tmp/out" \

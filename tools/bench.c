@@ -23,6 +23,7 @@
 #define ROUNDS      120
 #define SIZES_REPS  5     /* of each number of samples in the figure */
 #define SAMPLES     16384 /* what the daemon uses on a CPU */
+#define EVALUATION  12288 /* samples of the batch with all perception effects */
 
 struct args {
 	struct compute_args compute;
@@ -30,9 +31,9 @@ struct args {
 };
 
 /* What is timed. */
-enum timed { REFERENCE, PLAIN, MOVING_REFERENCE, PAPER, MOVING, FUTURES_4, TIMED };
-static const char *const timed_key[TIMED] = {"reference", "plain_loop", "moving_reference",
-					     "paper",     "moving",     "futures"};
+enum timed { REFERENCE, PLAIN, MOVING_REFERENCE, PAPER, MOVING, FUTURES_4, PERCEPTION, TIMED };
+static const char *const timed_key[TIMED] = {"reference", "plain_loop", "moving_reference", "paper",
+					     "moving",    "futures",    "perception"};
 static const char *const timed_words[TIMED] = {
 	"f64 RK4 reference, 1 ms, paper's scene",
 	"plain C loop of the same",
@@ -40,12 +41,13 @@ static const char *const timed_words[TIMED] = {
 	"paper's scene, with statistics",
 	"moving lead, with statistics and impact speed",
 	"moving lead, all four futures, everything",
+	"the same with all perception effects",
 };
 
 struct bench {
 	const struct mc_ops *ops;
 	struct mc_backend *b;
-	struct mc_request paper, moving, futures;
+	struct mc_request paper, moving, futures, perception;
 	float in[MODEL_INPUTS *
 		 REF_SAMPLES]; /* [MODEL_INPUTS][REF_SAMPLES], the paper scene's first */
 	struct model_out ref[REF_SAMPLES], plain[REF_SAMPLES], out[REF_SAMPLES * MC_FUTURES_MAX];
@@ -103,6 +105,7 @@ static int scenes(struct bench *b, uint32_t n)
 	bench_scene_paper(&b->paper, n);
 	int error = bench_scene_futures(&b->futures, n);
 
+	error = error ? error : bench_scene_perception(&b->perception, EVALUATION);
 	return error ? error : bench_scene_moving(&b->moving, n);
 }
 
@@ -164,9 +167,16 @@ static int run_one(struct bench *b, enum timed which)
 		return run_batch(b, &b->paper, p);
 	case MOVING:
 		return run_batch(b, &b->moving, &b->p_moving);
-	default:
+	case FUTURES_4:
 		return run_batch(b, &b->futures, b->p_futures);
+	default:
+		return run_batch(b, &b->perception, p);
 	}
+}
+
+static uint32_t samples_of(enum timed which, uint32_t n)
+{
+	return which == PERCEPTION ? EVALUATION : which >= PAPER ? n : REF_SAMPLES;
 }
 
 static int measure_round(struct bench *b, uint32_t n, uint32_t round)
@@ -179,7 +189,7 @@ static int measure_round(struct bench *b, uint32_t n, uint32_t round)
 		if (error) {
 			return error;
 		}
-		b->ns[i][round] = (double)took_ns / (i >= PAPER ? n : REF_SAMPLES);
+		b->ns[i][round] = (double)took_ns / samples_of((enum timed)i, n);
 	}
 	return 0;
 }
@@ -259,6 +269,8 @@ static void write_json(const struct args *a, const struct bench *b)
 		snprintf(key, sizeof(key), "%s_median_ns", timed_key[i]);
 		json_num(&j, key, b->ns[i][b->rounds / 2]);
 	}
+	json_num(&j, "evaluation_ms", b->ns[PERCEPTION][0] * EVALUATION * 1e-6);
+	json_num(&j, "evaluation_median_ms", b->ns[PERCEPTION][b->rounds / 2] * EVALUATION * 1e-6);
 	json_num(&j, "paper_ratio", b->ns[REFERENCE][0] / b->ns[PAPER][0]);
 	json_num(&j, "moving_ratio", b->ns[MOVING_REFERENCE][0] / b->ns[MOVING][0]);
 	json_num(&j, "futures_ratio", b->ns[REFERENCE][0] / b->ns[FUTURES_4][0]);
@@ -289,8 +301,13 @@ static void print_words(const struct args *a, const struct bench *b)
 	}
 	printf("\nThe reference takes %.2f times the plain loop; stopping distances differ by %.2g "
 	       "m at most.\n"
-	       "Risk of the moving lead's scene: %.3g %%.\n",
-	       b->ns[REFERENCE][0] / b->ns[PLAIN][0], plain_dev_m(b), b->p_moving * 100);
+	       "Risk of the moving lead's scene: %.3g %%.\n"
+	       "One evaluation of %d samples, all futures and perception effects: %.3g ms (median "
+	       "%.3g "
+	       "ms).\n",
+	       b->ns[REFERENCE][0] / b->ns[PLAIN][0], plain_dev_m(b), b->p_moving * 100, EVALUATION,
+	       b->ns[PERCEPTION][0] * EVALUATION * 1e-6,
+	       b->ns[PERCEPTION][b->rounds / 2] * EVALUATION * 1e-6);
 }
 
 static int bench(const char *name, const struct args *a, struct bench *b)
@@ -320,7 +337,7 @@ static int bench(const char *name, const struct args *a, struct bench *b)
 /* Every draw is made beforehand, those of the figure too. */
 static uint32_t resident(const struct args *a)
 {
-	const uint32_t least = a->compute.json ? bench_size[BENCH_SIZES_CPU - 1] : REF_SAMPLES;
+	const uint32_t least = a->compute.json ? bench_size[BENCH_SIZES_CPU - 1] : EVALUATION;
 
 	return a->samples > least ? (uint32_t)a->samples : least;
 }

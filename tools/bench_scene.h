@@ -15,6 +15,10 @@ void bench_scene_paper(struct mc_request *req, uint32_t n);
  */
 int bench_scene_futures(struct mc_request *req, uint32_t n);
 
+/** bench_scene_perception - the same, with every other thing that may be met: a nearer object, one behind the lead, one that
+ * it hides, none. 0 or -errno. */
+int bench_scene_perception(struct mc_request *req, uint32_t n);
+
 /** bench_scene_moving - the same with one future: brake now. 0 or -errno. */
 int bench_scene_moving(struct mc_request *req, uint32_t n);
 

@@ -29,7 +29,7 @@ void csv_head(FILE *out)
 	for (int i = 0; i < SCENE_DIM; i++) {
 		fprintf(out, ",sigma_%s", scene_column[i]);
 	}
-	fputs(",lateral_m,ttc_s,lead_id", out);
+	fputs(",lateral_m,ttc_s,lead_id,p_lead", out);
 	for (int i = 0; i < FUTURES; i++) {
 		const char *f = future_column[i];
 
@@ -64,6 +64,7 @@ static void scene_fields(FILE *out, const struct scene *s)
 	field(out, s->lead_valid, s->lateral_m);
 	field(out, s->lead_valid, words_ttc_s(s));
 	fprintf(out, ",%" PRIu32, s->lead_valid ? s->lead_id : 0);
+	field(out, s->lead_valid, scene_lead_p(s));
 }
 
 static void result_fields(FILE *out, const struct mc_result *r)

@@ -56,6 +56,8 @@ refuses 1 "$AEBMC" generate --splice /dev/null --at 5
 like "there is no lead to replace" "$tmp/err" "no lead"
 refuses 1 "$AEBMC" generate --splice "$tmp/follow.log" --config $toyota --at 5 --out /dev/full
 exits "a time past the end" 1 "$AEBMC" generate --splice "$tmp/follow.log" --config $toyota --at 500 --out "$tmp/x.log"
+refuses 78 "$AEBMC" generate --splice "$tmp/follow.log" --config can-dbc/vehicles/ars408.conf --at 5
+like "a list has no slots" "$tmp/err" "sends a list"
 ok "a lead that brakes" "$AEBMC" generate --splice "$tmp/follow.log" --config $toyota --at 5 --out "$tmp/spliced.log"
 "$AEBMC" generate --splice - --config $toyota --at 5 <"$tmp/follow.log" >"$tmp/piped.log"
 ok "from standard input to standard output" cmp "$tmp/piped.log" "$tmp/spliced.log"

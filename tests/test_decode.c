@@ -30,6 +30,17 @@ static const char dbc[] =
 	" SG_ KIND M : 0|2@1+ (1,0) [0|3] \"\" X\n"
 	" SG_ DIST m1 : 8|13@1+ (0.1,0) [0|600] \"m\" X\n"
 	" SG_ VREL m1 : 24|12@1- (0.05,0) [-90|90] \"m/s\" X\n"
+	"BO_ 768 LIST: 2 RADAR\n"
+	" SG_ COUNT : 0|8@1+ (1,0) [0|0] \"\" X\n"
+	"BO_ 769 OBJECT: 8 RADAR\n"
+	" SG_ ID : 0|8@1+ (1,0) [0|255] \"\" X\n"
+	" SG_ DIST : 8|13@1+ (0.24,0) [0|600] \"m\" X\n"
+	" SG_ VREL : 24|12@1- (0.05,0) [-90|90] \"m/s\" X\n"
+	"BO_ 770 QUALITY: 3 RADAR\n"
+	" SG_ ID : 0|8@1+ (1,0) [0|255] \"\" X\n"
+	" SG_ DIST_RMS : 8|4@1+ (1,0) [0|15] \"\" X\n"
+	" SG_ VREL_RMS : 12|4@1+ (1,0) [0|15] \"\" X\n"
+	" SG_ PROB : 16|2@1+ (1,0) [0|3] \"\" X\n"
 	"BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 10000;\n"
 	"BA_DEF_ BO_ \"E2EDataIDList\" STRING ;\n"
 	"BA_DEF_DEF_ \"GenMsgCycleTime\" 20;\n"
@@ -63,10 +74,26 @@ static const char plain_conf[] = "[dbc]\nfile = test.dbc\n"
 				 "[signal distance]\nfrom = NEAR.DIST\n"
 				 "[signal rel_speed]\nfrom = NEAR.VREL\n";
 
+/* A radar with a list. */
+static const char list_conf[] =
+	"[dbc]\nfile = test.dbc\n"
+	"[bus]\ninterfaces = can0\n"
+	"[signal ego_speed]\nfrom = WHEELS.A\n"
+	"[signal object_count]\nfrom = LIST.COUNT\n"
+	"[signal object_id]\nfrom = OBJECT.ID\n"
+	"[signal quality_id]\nfrom = QUALITY.ID\n"
+	"[signal distance]\nfrom = OBJECT.DIST\n"
+	"[signal rel_speed]\nfrom = OBJECT.VREL\n"
+	"[signal existence]\nfrom = QUALITY.PROB\ntable = 0 0.5 1\n"
+	"[signal distance_sigma]\nfrom = QUALITY.DIST_RMS\nunit = m\ntable = 0 0.01 0.5\nna = 15\n"
+	"[signal rate_sigma]\nfrom = QUALITY.VREL_RMS\nunit = m/s\ntable = 0 0.1 0.2\nna = 15\n";
+
+enum { LIST_ID = 768, OBJECT_ID, QUALITY_ID };
+
 enum { EGO_ID = 0x100, WHEELS_ID = 0x101, FAR_ID = 0x200 | BUS_ID_EFF, NEAR_ID = 0x201 };
 
 static struct config cfg;
-static struct mapping *map, *plain;
+static struct mapping *map, *plain, *list;
 
 /* A receiver and a sender of the same car. */
 struct wire {
@@ -94,7 +121,8 @@ static int load(void **state)
 	(void)state;
 	conf_dir_open(dir);
 	conf_dir_write(dir, "test.dbc", dbc, sizeof(dbc) - 1, path);
-	const int bad = load_one(dir, conf, &map) || load_one(dir, plain_conf, &plain);
+	const int bad = load_one(dir, conf, &map) || load_one(dir, plain_conf, &plain) ||
+			load_one(dir, list_conf, &list);
 
 	conf_dir_close(dir);
 	return bad;
@@ -105,6 +133,7 @@ static int unload(void **state)
 	(void)state;
 	config_mapping_free(map);
 	config_mapping_free(plain);
+	config_mapping_free(list);
 	return 0;
 }
 
@@ -318,6 +347,74 @@ static void what_is_not_ours_passes_by(void **state)
 	assert_int_equal(take(&l, f), 1);
 }
 
+/* ---- lists ---------------------------------------------------------------------------------- */
+
+static void a_header_says_how_many(void **state)
+{
+	struct wire l = open_wire_of(list);
+	struct bus_frame f;
+
+	(void)state;
+	encode_header(&l.e, 7, CLOCK_NS_PER_S, &f);
+	assert_int_equal(f.id, LIST_ID);
+	assert_int_equal(take(&l, f), 1);
+	assert_int_equal(l.out.part, MAP_HEADER);
+	assert_int_equal(l.out.count, 7);
+	assert_int_equal(l.out.track, -1);
+}
+
+static void an_object_and_its_quality_have_a_number(void **state)
+{
+	struct wire l = open_wire_of(list);
+	const struct detection det = {.id = 42,
+				      .distance_m = 24,
+				      .rate_mps = -2,
+				      .existence = 0.6,
+				      .distance_sigma_m = 0.4,
+				      .rate_sigma_mps = 0.11};
+	struct bus_frame f;
+
+	(void)state;
+	encode_message(&l.e, mapping_find(list, 0, OBJECT_ID), 0, NULL, &det, 0, &f);
+	assert_int_equal(take(&l, f), 1);
+	assert_int_equal(l.out.part, MAP_TARGET);
+	assert_int_equal(l.out.det.id, 42);
+	assert_true(l.out.target && fabs(l.out.det.distance_m - 24) < 1e-9);
+	assert_true(l.out.det.existence == 1 && l.out.det.distance_sigma_m == 0);
+
+	encode_message(&l.e, mapping_find(list, 0, QUALITY_ID), 0, NULL, &det, 0, &f);
+	assert_int_equal(take(&l, f), 1);
+	assert_int_equal(l.out.part, MAP_QUALITY);
+	assert_int_equal(l.out.det.id, 42);
+	assert_true(l.out.det.existence == 0.5); /* the nearest entry */
+	/* rounding to steps of 0.24 m and 0.05 m/s comes on top of what the radar says */
+	assert_true(fabs(l.out.det.distance_sigma_m - sqrt(0.25 + 0.0048)) < 1e-12);
+	assert_true(fabs(l.out.det.rate_sigma_mps - sqrt(0.01 + 0.0025 / 12)) < 1e-12);
+	assert_none_rejected(&l);
+}
+
+static void a_sigma_that_is_not_given_is_none(void **state)
+{
+	struct wire l = open_wire_of(list);
+	const uint8_t data[][3] = {{1, 0xFF, 2}, {1, 0x00, 2}, {1, 0x33, 2}};
+	struct bus_frame f = {.id = QUALITY_ID, .len = 3};
+
+	(void)state;
+	for (int i = 0; i < 3; i++) { /* not available; zero; beyond the table */
+		memcpy(f.data, data[i], 3);
+		assert_int_equal(take(&l, f), 1);
+		assert_true(l.out.det.distance_sigma_m == 0 && l.out.det.rate_sigma_mps == 0);
+		assert_true(l.out.det.existence == 1);
+	}
+	assert_int_equal(l.d.rejected[SCENE_REJECT_NOT_AVAILABLE], 2);
+	assert_int_equal(l.d.rejected[SCENE_REJECT_RANGE], 2);
+	f.data[2] = 3; /* a probability beyond the table: the object is as likely as it was */
+	f.data[1] = 0x11;
+	assert_int_equal(take(&l, f), 1);
+	assert_true(l.out.det.existence == 1);
+	assert_int_equal(l.d.rejected[SCENE_REJECT_RANGE], 3);
+}
+
 /* ---- what is refused ------------------------------------------------------------------------ */
 
 static void bad_checksums_are_refused(void **state)
@@ -508,6 +605,9 @@ int main(void)
 		cmocka_unit_test(an_empty_slot_is_no_error),
 		cmocka_unit_test(what_is_not_mapped_has_its_default),
 		cmocka_unit_test(what_is_not_ours_passes_by),
+		cmocka_unit_test(a_header_says_how_many),
+		cmocka_unit_test(an_object_and_its_quality_have_a_number),
+		cmocka_unit_test(a_sigma_that_is_not_given_is_none),
 		cmocka_unit_test(bad_checksums_are_refused),
 		cmocka_unit_test(repeated_and_reordered_frames_are_refused),
 		cmocka_unit_test(wrong_lengths_are_refused),

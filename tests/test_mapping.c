@@ -54,6 +54,14 @@ static const char dbc[] = "VERSION \"\"\n"
 #define SPEED "[signal ego_speed]\nfrom = EGO.SPEED\n"
 #define LEAD  "[signal distance]\nfrom = OBJ_0.DIST\n[signal rel_speed]\nfrom = OBJ_0.VREL\n"
 #define ALL   ONE SPEED LEAD /* lines 1 to 11 */
+#define MANY  "0 1 2 3 4 5 6 7 8 9 0 1 2 3 4 5 6 7 8 9 0 1 2 3 4 5 6 7 8 9 0 1"
+
+/* A radar that sends a list: EGO begins a scan, OBJ_1 is an object, SAFE its quality. */
+#define OBJECTS                                                                                    \
+	ONE SPEED                                                                                  \
+		"[signal distance]\nfrom = OBJ_1.DIST\n[signal rel_speed]\nfrom = OBJ_1.VREL\n"    \
+		"[signal object_count]\nfrom = EGO.NONE\n[signal object_id]\nfrom = OBJ_1.COUNT\n" \
+		"[signal quality_id]\nfrom = SAFE.SPEED\n" /* lines 1 to 17 */
 
 static int load(const char *text, struct config *c, struct mapping **m, char *err)
 {
@@ -160,6 +168,47 @@ static const struct {
 	 ":14: signal lateral.na: '-1' is no raw value of LAT"},
 	{ALL "[signal lateral]\nfrom = OBJ_0.LAT\nna = none\n",
 	 ":14: signal lateral.na: 'none' is no raw value of LAT"},
+	/* lists and tables */
+	{ALL "[signal object_id]\nfrom = OBJ_0.PROB\n",
+	 ":13: signal object_id.from: without a header an empty road looks like a dead radar; map "
+	 "object_count or scan_start"},
+	{ALL "[signal object_count]\nfrom = EGO.NONE\n[signal object_id]\nfrom = OBJ_1.COUNT\n",
+	 ":15: signal object_id.from: the number is in OBJ_1, unlike the distance"},
+	{ONE SPEED "[signal distance]\nfrom = OBJ_{0..1}.DIST\n[signal rel_speed]\nfrom = "
+		   "OBJ_{0..1}.VREL\n[signal scan_start]\nfrom = EGO.NONE\n[signal object_id]\n"
+		   "from = OBJ_0.PROB\n",
+	 ":15: signal object_id.from: the number is in OBJ_0, unlike the distance; one message"},
+	{ALL "[signal object_count]\nfrom = EGO.NONE EGO.ODD\n",
+	 ":13: signal object_count.from: more than one signal; name one"},
+	{ALL "[signal object_count]\nfrom = EGO.NONE\n[signal scan_start]\nfrom = SAFE.SPEED\n",
+	 ":15: signal scan_start.from: EGO begins each scan already; name one message"},
+	{ALL "[signal object_count]\nfrom = EGO.NONE\n[signal quality_id]\nfrom = OBJ_1.COUNT\n",
+	 ":15: signal quality_id.from: quality of which object? map object_id too"},
+	{ALL "[signal scan_start]\nfrom = OBJ_0.PROB\n",
+	 ": header, objects and quality are one message"},
+	{ALL "[signal scan_start]\nfrom = EGO.NONE\n[signal object_id]\nfrom = OBJ_0.PROB\n"
+	     "[signal quality_id]\nfrom = EGO.ODD\n",
+	 ":17: signal quality_id.from: header, objects and quality are one message"},
+	{OBJECTS "[signal lateral]\nfrom = SAFE.SPEED\nunit = m\n",
+	 ":19: signal lateral.from: number 1 is in message SAFE, unlike its distance"},
+	{OBJECTS "[signal distance_sigma]\nfrom = SAFE.SPEED\ntable = 1 x\n",
+	 ":20: signal distance_sigma.table: 'x' is no number"},
+	{OBJECTS "[signal distance_sigma]\nfrom = SAFE.SPEED\ntable =\n",
+	 ":20: signal distance_sigma.table: no numbers; write what raw value 0, 1, ... stands for"},
+	{OBJECTS "[signal distance_sigma]\nfrom = SAFE.SPEED\ntable = " MANY " " MANY " 1\n",
+	 ":20: signal distance_sigma.table: more than 64 numbers"},
+	{OBJECTS "[signal distance_sigma]\nfrom = SAFE.SPEED\ntable = 1 2\n",
+	 ":19: signal distance_sigma.from: SPEED: unknown unit 'm/s'"},
+	{ONE "[signal ego_speed]\nfrom = EGO.SPEED\ntable = 1\n"
+	     "[signal yaw_rate]\nfrom = EGO.YAW\ntable = 1\n"
+	     "[signal driver_brake]\nfrom = EGO.BRAKE\ntable = 1\n"
+	     "[signal distance]\nfrom = OBJ_0.DIST\ntable = 1\n"
+	     "[signal rel_speed]\nfrom = OBJ_0.VREL\ntable = 1\n"
+	     "[signal lateral]\nfrom = OBJ_0.LAT\ntable = 1\n"
+	     "[signal valid]\nfrom = OBJ_0.GONE\ntable = 1\n"
+	     "[signal fresh]\nfrom = OBJ_0.GONE\ntable = 1\n"
+	     "[signal existence]\nfrom = OBJ_0.PROB\ntable = 1\n",
+	 ":32: signal existence.table: more than 8 tables; map fewer signals by table"},
 	/* messages */
 	{ALL "[message]\n", ":12: [message]: no name given"},
 	{ALL "[message EGOO]\n",
@@ -327,6 +376,47 @@ static void roles_are_filled(void **state)
 	config_mapping_free(m);
 }
 
+static void a_list_has_header_objects_and_quality(void **state)
+{
+	struct config c;
+	struct mapping *m = load_good(OBJECTS "[signal existence]\nfrom = SAFE.SPEED\nunit = %\n"
+					      "table = 0 50 100\n[signal rate_sigma]\n"
+					      "from = OBJ_1.DIST_2\nunit = m/s\n",
+				      &c);
+	const struct map_list *l = &m->list;
+	const struct map_track *t = &m->track[0];
+
+	(void)state;
+	assert_string_equal(m->message[l->header].msg->name, "EGO");
+	assert_int_equal(m->message[l->header].part, MAP_HEADER);
+	assert_int_equal(m->message[l->header].ego, 1); /* both at once */
+	assert_string_equal(m->message[l->quality].msg->name, "SAFE");
+	assert_int_equal(m->message[l->quality].part, MAP_QUALITY);
+	assert_int_equal(m->message[t->message].part, MAP_TARGET);
+	assert_true(l->count.sig && l->id.sig && l->quality_id.sig && !l->start.sig);
+	assert_int_equal(m->n_tracks, 1);
+	assert_int_equal(t->existence.message, l->quality);
+	assert_int_equal(t->rate_sigma.message, t->message);
+	assert_true(t->existence.table->n == 3 && t->existence.table->value[1] == 50);
+	assert_true(t->existence.gain == 0.01 && !t->rate_sigma.table);
+
+	const uint64_t hash = config_hash(&c, m);
+
+	config_mapping_free(m);
+	m = load_good(OBJECTS "[signal existence]\nfrom = SAFE.SPEED\nunit = %\n"
+			      "table = 0 51 100\n[signal rate_sigma]\n"
+			      "from = OBJ_1.DIST_2\nunit = m/s\n",
+		      &c);
+	assert_true(config_hash(&c, m) != hash);
+	config_mapping_free(m);
+	/* slots have none of it */
+	m = load_good(ALL, &c);
+	assert_true(m->list.header == -1 && m->list.quality == -1);
+	assert_int_equal(m->message[m->track[0].message].part, MAP_TARGET);
+	assert_int_equal(m->message[m->role[MAP_EGO_SPEED].message[0]].part, MAP_NO_PART);
+	config_mapping_free(m);
+}
+
 static void flags_and_shares(void **state)
 {
 	struct config c;
@@ -405,6 +495,7 @@ int main(void)
 		cmocka_unit_test(too_many_messages),
 		cmocka_unit_test(long_path),
 		cmocka_unit_test(roles_are_filled),
+		cmocka_unit_test(a_list_has_header_objects_and_quality),
 		cmocka_unit_test(flags_and_shares),
 		cmocka_unit_test(ours_may_be_elsewhere),
 		cmocka_unit_test(ranges_keep_their_width),

@@ -11,7 +11,8 @@
 
 static char dir[CONF_DIR_PATH];
 
-static const char *const cars[] = {"generic", "toyota-tss-p"};
+static const char *const cars[] = {"generic", "toyota-tss-p", "hyundai-kia-scc11", "ars408",
+				   "generic-objects"};
 
 static struct mapping *load_car(const char *car, struct config *c, const char *const *set,
 				int n_set)
@@ -68,6 +69,60 @@ static void shipped_generic(void **state)
 		assert_true(m->role[r].signal[0].has_na);
 	}
 	assert_true(m->track[0].distance.has_na && m->track[0].existence.sig);
+	config_mapping_free(m);
+}
+
+static void shipped_ars408(void **state)
+{
+	struct config c;
+	struct mapping *m = load_car("ars408", &c, NULL, 0);
+	const struct map_track *t = &m->track[0];
+
+	(void)state;
+	assert_int_equal(m->n_messages, 5);
+	assert_int_equal(m->n_tracks, 1);
+	assert_int_equal(m->message[m->list.header].msg->id, 0x60A);
+	assert_int_equal(m->message[t->message].msg->id, 0x60B);
+	assert_int_equal(m->message[m->list.quality].msg->id, 0x60C);
+	assert_int_equal(t->existence.message, m->list.quality);
+	assert_int_equal(t->existence.table->n, 8);
+	assert_true(t->distance_sigma.table->n == 31 && t->rate_sigma.table->n == 31);
+	assert_true(t->distance_sigma.has_na && t->distance_sigma.na_raw == 31);
+	for (uint32_t i = 1; i < 31; i++) {
+		assert_true(t->distance_sigma.table->value[i] >
+			    t->distance_sigma.table->value[i - 1]);
+		assert_true(t->rate_sigma.table->value[i] == t->distance_sigma.table->value[i]);
+	}
+	config_mapping_free(m);
+}
+
+static void shipped_generic_objects(void **state)
+{
+	struct config c;
+	struct mapping *m = load_car("generic-objects", &c, NULL, 0);
+
+	(void)state;
+	assert_int_equal(m->n_messages, 3);
+	assert_true(m->list.count.sig && m->list.id.sig && m->list.quality == -1);
+	assert_true(m->track[0].distance.has_na && m->track[0].existence.has_na);
+	for (int i = 0; i < 3; i++) {
+		assert_true(m->message[i].check == E2E_P2);
+	}
+	config_mapping_free(m);
+}
+
+static void shipped_hyundai_kia(void **state)
+{
+	struct config c;
+	struct mapping *m = load_car("hyundai-kia-scc11", &c, NULL, 0);
+
+	(void)state;
+	assert_int_equal(m->n_messages, 4);
+	assert_int_equal(m->n_tracks, 1);
+	assert_int_equal(m->role[MAP_EGO_SPEED].n, 4);
+	assert_int_equal(m->list.header, -1);
+	assert_true(m->track[0].lateral.gain == -1.0);
+	assert_string_equal(m->message[m->track[0].message].counter->name, "AliveCounterACC");
 	config_mapping_free(m);
 }
 
@@ -275,6 +330,9 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(shipped_toyota),
 		cmocka_unit_test(shipped_generic),
+		cmocka_unit_test(shipped_ars408),
+		cmocka_unit_test(shipped_generic_objects),
+		cmocka_unit_test(shipped_hyundai_kia),
 		cmocka_unit_test(shipped_thresholds_are_default),
 		cmocka_unit_test(hash_sees_the_mapping),
 		cmocka_unit_test(print_round_trip),

@@ -133,7 +133,7 @@ static void set_radar(const struct mapping *map, int message, const struct detec
 {
 	const struct map_message *m = &map->message[message];
 
-	if (m->part == MAP_QUALITY) {
+	if (m->part == MAP_QUALITY && det) {
 		set_number(&map->list.quality_id, data, det->id);
 		set_quality(&map->track[0], message, data, det);
 	} else if (m->track >= 0 && det) {

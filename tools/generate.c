@@ -207,6 +207,20 @@ static int splice(const char *name, const struct args *a, const struct config *c
 				   a->at_s);
 }
 
+static int make(const char *name, const struct args *a, const struct config *cfg,
+		const struct mapping *map)
+{
+	if (!a->splice) {
+		return write_drive(name, a, cfg, map);
+	}
+	return map->list.header < 0
+		       ? splice(name, a, cfg, map)
+		       : cli_error(
+				 CLI_CONFIG, name,
+				 "%s: a lead is replaced in a radar's slots; this one sends a list",
+				 a->setup.path);
+}
+
 static int list(void)
 {
 	for (const struct drive *d = drive_table; d->name; d++) {
@@ -230,7 +244,7 @@ int cmd_generate(int argc, char **argv)
 	if (code) {
 		return code;
 	}
-	code = a.splice ? splice(name, &a, &cfg, map) : write_drive(name, &a, &cfg, map);
+	code = make(name, &a, &cfg, map);
 	config_mapping_free(map);
 	return code;
 }

@@ -1,0 +1,221 @@
+/* SPDX-License-Identifier: MIT
+ * A radar that reports a list of objects, from frames to the scene: what is heard, what is stale, whose noise counts.
+ */
+#include "drives.h"
+
+#define MS CLOCK_NS_PER_MS
+
+struct bench {
+	struct config cfg;
+	struct mapping *map;
+	struct encode encode;
+	struct estimator *e;
+	int64_t t_ns;
+	struct detection det[3];
+	int n;         /* of them that are there */
+	int announced; /* more than those that are sent; -1: no header at all */
+	int quality;   /* 0: none is sent */
+	int ended;
+};
+
+static void open_bench(struct bench *b, const char *car)
+{
+	*b = (struct bench){.t_ns = 1000 * MS, .n = 1, .quality = 1};
+	b->det[0] = (struct detection){.id = 3,
+				       .distance_m = 30,
+				       .existence = 0.99,
+				       .distance_sigma_m = 0.1,
+				       .rate_sigma_mps = 0.05};
+	b->map = drives_load(car, &b->cfg);
+	encode_open(&b->encode, b->map);
+	assert_int_equal(estimator_open(&b->cfg, b->map, &b->e), 0);
+}
+
+static void close_bench(struct bench *b)
+{
+	estimator_close(b->e);
+	config_mapping_free(b->map);
+}
+
+static void give(struct bench *b, const struct bus_frame *f)
+{
+	b->ended += estimator_frame(b->e, f);
+}
+
+static void say_ego(struct bench *b)
+{
+	const double value[MAP_ROLES] = {[MAP_EGO_SPEED] = 20};
+	struct bus_frame f;
+
+	for (int i = 0; i < b->map->n_messages; i++) {
+		if (b->map->message[i].ego) {
+			encode_message(&b->encode, i, 15, value, NULL, b->t_ns, &f);
+			give(b, &f);
+		}
+	}
+}
+
+static void say_each(struct bench *b, int message)
+{
+	const double none[MAP_ROLES] = {0};
+	struct bus_frame f;
+
+	for (int i = 0; i < b->n; i++) {
+		encode_message(&b->encode, message, 0, none, &b->det[i], b->t_ns, &f);
+		give(b, &f);
+	}
+}
+
+static void say_scan(struct bench *b)
+{
+	struct bus_frame f;
+
+	if (b->announced >= 0) {
+		encode_header(&b->encode, b->n + b->announced, b->t_ns, &f);
+		give(b, &f);
+	}
+	say_each(b, b->map->track[0].message);
+	if (b->quality && b->map->list.quality >= 0) {
+		say_each(b, b->map->list.quality);
+	}
+}
+
+/* One period of the radar, ego messages three times in it. */
+static struct scene cycle(struct bench *b)
+{
+	const int64_t third = (int64_t)b->cfg.radar_period * MS / 3;
+	struct scene s;
+
+	for (int i = 0; i < 3; i++) {
+		b->t_ns += third;
+		b->ended += estimator_tick(b->e, b->t_ns);
+		say_ego(b);
+	}
+	say_scan(b);
+	estimator_scene(b->e, b->t_ns, &s);
+	drives_assert_sound(&s);
+	return s;
+}
+
+static struct scene cycles(struct bench *b, int n)
+{
+	struct scene s = cycle(b);
+
+	for (int i = 1; i < n; i++) {
+		s = cycle(b);
+	}
+	return s;
+}
+
+static const char *const cars[] = {"ars408", "generic-objects"};
+
+static void an_object_is_followed(void **state)
+{
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		struct bench b;
+
+		open_bench(&b, cars[i]);
+		const struct scene s = cycles(&b, 20);
+
+		assert_int_equal(s.fault, 0);
+		assert_true(s.lead_valid && fabs(s.x[SCENE_HEADWAY] - 30) < 0.2);
+		assert_in_range(b.ended, 18, 20);
+		close_bench(&b);
+	}
+}
+
+/* By its number within a scan, by its place between scans. */
+static void the_nearest_of_several_leads(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "ars408");
+	b.n = 3;
+	b.det[1] = (struct detection){.id = 7, .distance_m = 20, .existence = 0.99, .lateral_m = 4};
+	b.det[2] = (struct detection){.id = 1, .distance_m = 25, .existence = 0.3};
+	s = cycles(&b, 10);
+	assert_true(fabs(s.x[SCENE_HEADWAY] - 30) < 0.2); /* one is in another lane, one unlikely */
+	b.det[2].existence = 0.99;
+	s = cycles(&b, 10);
+	assert_true(fabs(s.x[SCENE_HEADWAY] - 25) < 0.2);
+	const uint32_t lead = s.lead_id;
+
+	b.det[2].id = 0;
+	s = cycle(&b);
+	assert_int_equal(s.lead_id, lead);
+	close_bench(&b);
+}
+
+static void an_empty_road_is_no_fault_and_a_silent_radar_is(void **state)
+{
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		struct bench b;
+		struct scene s;
+
+		open_bench(&b, cars[i]);
+		b.n = 0;
+		s = cycles(&b, 30);
+		assert_true(s.fault == 0 && s.ego_valid && !s.lead_valid);
+		b.announced = -1;
+		assert_int_equal(cycles(&b, 3).fault, 0);
+		assert_int_equal(cycle(&b).fault, FAULT_BIT(RADAR_STALE));
+		b.announced = 0;
+		assert_int_equal(cycle(&b).fault, 0);
+		close_bench(&b);
+	}
+}
+
+static void what_is_announced_must_come(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "ars408");
+	cycles(&b, 10);
+	b.quality = 0; /* switched off in the radar, say */
+	s = cycles(&b, 3);
+	assert_int_equal(s.fault, 0);
+	assert_true(s.lead_valid); /* with the noise that the configuration assumes */
+	s = cycles(&b, 2);
+	assert_int_equal(s.fault, FAULT_BIT(RADAR_STALE));
+	assert_false(s.lead_valid);
+	b.quality = 1;
+	assert_int_equal(cycles(&b, 2).fault, 0);
+	b.announced = 1; /* an object's frames are lost each time */
+	assert_int_equal(cycles(&b, 5).fault, FAULT_BIT(RADAR_STALE));
+	close_bench(&b);
+}
+
+static void the_noise_of_each_object_is_its_own(void **state)
+{
+	double p[2];
+
+	(void)state;
+	for (int i = 0; i < 2; i++) {
+		struct bench b;
+
+		open_bench(&b, "ars408");
+		b.det[0].distance_sigma_m = i ? 1.7 : 0.1;
+		p[i] = cycles(&b, 60).cov[SCENE_HEADWAY][SCENE_HEADWAY];
+		close_bench(&b);
+	}
+	assert_true(p[1] > 4 * p[0]);
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(an_object_is_followed),
+		cmocka_unit_test(the_nearest_of_several_leads),
+		cmocka_unit_test(an_empty_road_is_no_fault_and_a_silent_radar_is),
+		cmocka_unit_test(what_is_announced_must_come),
+		cmocka_unit_test(the_noise_of_each_object_is_its_own),
+	};
+
+	return cmocka_run_group_tests_name("objects", tests, NULL, NULL);
+}

@@ -27,7 +27,7 @@ NUMERIC := -ffp-contract=off -fno-math-errno -fno-trapping-math
 HARDEN  := -fstack-protector-strong
 CFLAGS_ALL = -std=gnu17 -D_GNU_SOURCE $(OPT) $(WARN) $(NUMERIC) $(HARDEN) -pthread -Ikernels -Ican-dbc -Idaemon -Itools \
 	   -I$(O)/gen $(if $(SAN),-fsanitize=$(SAN) -fno-sanitize-recover=all -fno-omit-frame-pointer) \
-	   $(CUDA_CFLAGS) $(EXTRA_CFLAGS) $(CFLAGS)
+	   $(CUDA_CFLAGS) $(if $(TRACE_SO),-DTRACE_PROVIDERS) $(EXTRA_CFLAGS) $(CFLAGS)
 LDFLAGS_ALL = -pthread $(if $(SAN),-fsanitize=$(SAN)) $(LDFLAGS)
 LDLIBS   = -lm $(CUDA_LIBS)
 
@@ -48,21 +48,28 @@ LANEFLAGS_neon   :=
 # face: NAME_LIB.c and NAME_none.c.
 WITH_SYSTEMD   ?= auto
 WITH_SOCKETCAN ?= auto
+WITH_LTTNG     ?= auto
+WITH_BABELTRACE ?= auto
 has_header = $(shell printf '\043include <%s>\n' $(1) | $(CC) -E -x c - >/dev/null 2>&1 && echo yes)
 # $(call choose,WITH_X,header,package): yes or nothing
 choose     = $(if $(filter no,$($(1))),,$(or $(call has_header,$(2)),$(if $(filter yes,$($(1))),$(error $(1)=yes but \
 	     <$(2)> is missing: apt-get install $(3)))))
 SYSTEMD    := $(call choose,WITH_SYSTEMD,systemd/sd-daemon.h,libsystemd-dev)
 SOCKETCAN  := $(call choose,WITH_SOCKETCAN,libsocketcan.h,libsocketcan-dev)
+LTTNG      := $(call choose,WITH_LTTNG,lttng/tracepoint.h,liblttng-ust-dev)
+BABELTRACE := $(call choose,WITH_BABELTRACE,babeltrace2/babeltrace.h,libbabeltrace2-dev)
 OPTIONAL   := daemon/service_$(if $(SYSTEMD),systemd,none).c daemon/link_$(if $(SOCKETCAN),socketcan,none).c
-NOT_CHOSEN := $(filter-out $(OPTIONAL),$(wildcard daemon/service_*.c daemon/link_*.c))
+OPTIONAL   += tools/ctf_$(if $(BABELTRACE),babeltrace,none).c
+NOT_CHOSEN := $(filter-out $(OPTIONAL),$(wildcard daemon/service_*.c daemon/link_*.c tools/ctf_*.c))
+TOOL_LIBS  := $(if $(BABELTRACE),-lbabeltrace2)
 LDLIBS     += $(if $(SYSTEMD),-lsystemd) $(if $(SOCKETCAN),-lsocketcan)
 
 # ---- sources -----------------------------------------------------------------------------------
 LANE_SRC   := kernels/lanes.c
+TRACE_SRC  := daemon/trace_lttng.c daemon/trace_nvtx.c
 MC_SRC     := $(filter-out $(LANE_SRC),$(wildcard kernels/*.c)) $(wildcard can-dbc/*.c)
-DAEMON_SRC := $(filter-out daemon/main.c $(NOT_CHOSEN),$(wildcard daemon/*.c))
-TOOL_SRC   := $(wildcard tools/*.c)
+DAEMON_SRC := $(filter-out daemon/main.c $(TRACE_SRC) $(NOT_CHOSEN),$(wildcard daemon/*.c))
+TOOL_SRC   := $(filter-out $(NOT_CHOSEN),$(wildcard tools/*.c))
 TEST_SRC   := $(wildcard tests/test_*.c)
 
 # ---- CUDA --------------------------------------------------------------------------------------
@@ -103,6 +110,16 @@ $(O)/kernels/mc_cuda_faults.cu.o: kernels/mc_cuda.cu tests/gpu/faults.cuh $(O)/f
 	$(Q)mkdir -p $(@D) && $(NVCC) $(NVCC_FLAGS) $(foreach m,$(CUDA_SM),-gencode arch=compute_$m,code=sm_$m) \
 		-DMC_CUDA_FAULTS -MMD -MP -MF $(@:.o=.d) -c -o $@ $<
 
+# ---- tracing -----------------------------------------------------------------------------------
+# Providers of trace events: shared objects that the daemon loads only when trace.provider asks for one.
+TRACE_SO := $(if $(LTTNG),$(O)/trace-lttng.so) $(if $(HAVE_CUDA),$(O)/trace-nvtx.so)
+TRACE_SO := $(strip $(TRACE_SO))
+$(O)/trace-lttng.so: TRACE_LIBS := -llttng-ust
+$(O)/trace-%.so: daemon/trace_%.c $(O)/flags
+	$(call say,LD,$@)
+	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) -fPIC -shared $(LDFLAGS_ALL) -MMD -MP -MF $(@:.so=.so.d) -MT $@ \
+		-o $@ $< $(TRACE_LIBS)
+
 obj        = $(patsubst %.c,$(O)/%.o,$(1))
 LANE_OBJ   := $(foreach v,$(LANES),$(O)/kernels/lanes_$(v).o)
 LIBMC      := $(O)/libaebmc.a
@@ -112,7 +129,7 @@ TESTS      := $(patsubst tests/%.c,$(O)/tests/%,$(TEST_SRC))
 .DEFAULT_GOAL := all
 .PHONY: all clean demo format
 .SECONDARY:
-all: $(O)/cuda-found $(O)/aebmcd $(O)/aebmc
+all: $(O)/cuda-found $(O)/aebmcd $(O)/aebmc $(TRACE_SO)
 
 $(LIBMC): $(call obj,$(MC_SRC)) $(LANE_OBJ) $(CUDA_OBJ)
 	$(call say,AR,$@)
@@ -125,7 +142,7 @@ $(O)/aebmcd: $(O)/daemon/main.o $(LIBD) $(LIBMC)
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LDLIBS)
 $(O)/aebmc: $(call obj,$(TOOL_SRC)) $(LIBD) $(LIBMC)
 	$(call say,LD,$@)
-	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LDLIBS)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LDLIBS) $(TOOL_LIBS)
 
 $(O)/%.o: %.c $(O)/flags
 	$(call say,CC,$@)
@@ -187,7 +204,7 @@ check-coverage: deps-check
 	+$(Q)$(SUB) O=build/coverage CC=gcc OPT='-O0 -g' EXTRA_CFLAGS=--coverage LDFLAGS=--coverage TEST_SRC='$(HELD_TESTS)' \
 		run-covered
 check-mutants: deps-check
-	+$(Q)$(SUB) O=build/mutants CC=gcc OPT='-O0 -g' TEST_SRC='$(HELD_TESTS)' run-mutants
+	+$(Q)$(SUB) O=build/mutants CC=gcc OPT='-O0 -g' SAN=address,undefined TEST_SRC='$(HELD_TESTS)' run-mutants
 .PHONY: run-covered run-mutants
 run-covered: tests
 	$(Q)find $(O) -name '*.gcda' -delete
@@ -212,8 +229,8 @@ check-system: deps-system all
 # Debian packages by apt; PyPI only for test oracles. As root they are installed, otherwise named.
 DEPS_BUILD  := gcc libc6-dev make
 DEPS_CHECK  := $(DEPS_BUILD) clang clang-format gcovr python3 python3-venv python3-mpmath libcmocka-dev xz-utils shellcheck \
-	       systemd scdoc libsystemd-dev libsocketcan-dev
-ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev
+	       systemd scdoc libsystemd-dev libsocketcan-dev liblttng-ust-dev lttng-tools libbabeltrace2-dev
+ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev liblttng-ust-dev libbabeltrace2-dev
 DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)
 DEPS_SYSTEM := $(DEPS_CHECK) mmdebstrap qemu-system-x86 qemu-utils busybox-static e2fsprogs kmod cpio
 VENV       := build/venv
@@ -286,6 +303,7 @@ INSTALLED := 755:$(O)/aebmcd:sbin/aebmcd 755:$(O)/aebmc:bin/aebmc \
 	644:systemd/80-aebmc-can.network:share/aebmc/80-aebmc-can.network \
 	644:tools/aebmc.bash:share/bash-completion/completions/aebmc \
 	644:can-dbc/aebmc.dbc:share/aebmc/aebmc.dbc \
+	$(foreach f,$(TRACE_SO),755:$f:lib/aebmc/$(notdir $f)) \
 	$(foreach f,$(wildcard can-dbc/vehicles/*),644:$f:share/aebmc/vehicles/$(notdir $f)) \
 	$(foreach f,$(filter-out %.service,$(wildcard rt-config/*)),$(if $(findstring .,$(notdir $f)),644,755):$f:share/aebmc/$f) \
 	$(foreach f,$(UNITS),644:$f:lib/systemd/system/$(notdir $f)) \

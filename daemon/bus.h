@@ -68,6 +68,10 @@ struct bus_ops {
 			b); /* BUS_EV_* since the last call, and the lasting ones while they last */
 	int64_t (*confirmed_ns)(
 		const struct bus *b); /* when an own frame was last seen back on the bus; 0 never */
+	/* Look out for the echo of @f, which was just sent, instead of that of an earlier one; when it was seen, 0 not
+	 * yet. */
+	void (*expect)(struct bus *b, const struct bus_frame *f);
+	int64_t (*expected_ns)(const struct bus *b);
 	void (*drain)(struct bus *b); /* throw away everything queued (after a stall) */
 
 	void (*close)(struct bus *b); /* NULL is fine */

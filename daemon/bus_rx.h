@@ -19,7 +19,9 @@ struct bus_rx {
 	uint32_t once; /* events reported once */
 	uint32_t off;  /* bit per interface: bus-off until it restarts or carries a frame */
 	int taken;     /* messages that the last read took from the queue, delivered or not */
-	int64_t confirmed_ns; /* when an own frame was last seen back */
+	int64_t confirmed_ns;      /* when an own frame was last seen back */
+	struct bus_frame expected; /* its echo is looked out for */
+	int64_t expected_ns;       /* when it was seen; 0: not yet */
 	uint32_t dropped
 		[BUS_IFACES_MAX]; /* the kernel's drop counter at the last message of each interface */
 	struct bus_stats stats;
@@ -38,6 +40,9 @@ int bus_rx_init(struct bus_rx *rx, const struct bus_id *own, int n_own, int allo
  * does not. No allocation.
  */
 int bus_rx_read(struct bus_rx *rx, int fd, uint8_t iface, struct bus_frame *f, int max);
+
+/** bus_rx_expect - look out for the echo of @f from now on: seen at rx->expected_ns. */
+void bus_rx_expect(struct bus_rx *rx, const struct bus_frame *f);
 
 /** bus_rx_write - one frame. 0 or -errno; -EIO if the kernel took less than a frame. */
 int bus_rx_write(int fd, const struct bus_frame *f);

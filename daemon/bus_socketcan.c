@@ -292,6 +292,16 @@ static int64_t socketcan_confirmed_ns(const struct bus *b)
 	return ((const struct socketcan *)b)->rx.confirmed_ns;
 }
 
+static void socketcan_expect(struct bus *b, const struct bus_frame *f)
+{
+	bus_rx_expect(&of(b)->rx, f);
+}
+
+static int64_t socketcan_expected_ns(const struct bus *b)
+{
+	return ((const struct socketcan *)b)->rx.expected_ns;
+}
+
 /* Bounded: 2048 messages are more than the queue of a default socket holds. */
 static void socketcan_drain(struct bus *b)
 {
@@ -345,6 +355,8 @@ static const struct bus_ops socketcan_ops = {
 	.watch = socketcan_watch,
 	.events = socketcan_events,
 	.confirmed_ns = socketcan_confirmed_ns,
+	.expect = socketcan_expect,
+	.expected_ns = socketcan_expected_ns,
 	.drain = socketcan_drain,
 	.close = socketcan_close,
 };

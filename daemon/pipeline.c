@@ -34,7 +34,7 @@ static void decide(struct pipeline *p, const struct scene *s, const struct mc_re
 		p->in.eval_id = res->id;
 		p->in.samples = (uint32_t)res->n;
 		p->cycle.dec = dec;
-		p->cycle.t_ns[STAGE_DECIDE] = pipeline_stamp(p);
+		pipeline_decided(p);
 	}
 	if (pipeline_state(p, dec)) {
 		pipeline_send(p, PUBLISH_REQUEST);
@@ -69,7 +69,7 @@ static void take_result(struct pipeline *p)
 	int old = p->now_ns - c->scene.scan_ns > p->ttl_ns;
 	int late = old || c->res.flags & MC_RES_CUT;
 
-	p->stats.late += (uint64_t)late;
+	pipeline_miss(p, MISS_LATE, c->id, "", (uint64_t)late, 0);
 	p->lasting = late ? p->lasting | FAULT_BIT(MC_LATE) : p->lasting & ~FAULT_BIT(MC_LATE);
 	pipeline_faults(p);
 	if (old || !pipeline_trusted(p)) {
@@ -84,6 +84,7 @@ static void take_result(struct pipeline *p)
 		recorder_evaluation(p->o.recorder, p->now_ns, &c->req, &c->res);
 	}
 	decide(p, &c->scene, &c->res);
+	pipeline_tell_evaluation(p);
 	if (p->o.on_cycle) {
 		p->o.on_cycle(p->o.arg, c, p->in.state);
 	}
@@ -99,7 +100,7 @@ static void collect(struct pipeline *p)
 		return;
 	}
 	p->running = 0;
-	c->t_ns[STAGE_RESULT] = pipeline_stamp(p);
+	pipeline_edge(p, EDGE_RESULT, pipeline_stamp(p));
 	if (got < 0 || c->res.id != c->id || c->res.req_hash != mc_request_hash(&c->req)) {
 		fail(p, got < 0 ? got : -EBADMSG);
 	} else {
@@ -113,11 +114,12 @@ static void submit(struct pipeline *p)
 	int err;
 
 	*c = (struct cycle){.id = ++p->last_id, .scene = p->scene};
-	c->t_ns[STAGE_INPUT] = p->now_ns - c->scene.oldest_input_ns;
-	c->t_ns[STAGE_SCAN] = c->scene.scan_ns;
+	pipeline_edge(p, EDGE_INPUT, p->now_ns - c->scene.oldest_input_ns);
+	pipeline_edge(p, EDGE_SCAN, c->scene.scan_ns);
+	pipeline_edge(p, EDGE_SCENE, pipeline_stamp(p));
 	err = pipeline_request(p->o.cfg, &c->scene, c->id, &c->req);
 	c->req.n = p->stats.samples;
-	c->t_ns[STAGE_SCENE] = c->t_ns[STAGE_SUBMIT] = pipeline_stamp(p);
+	pipeline_edge(p, EDGE_SUBMIT, pipeline_stamp(p));
 	err = err ? err : mc_submit(p->mc, &c->req);
 	if (err < 0) {
 		fail(p, err);
@@ -153,7 +155,7 @@ static void on_scan(struct pipeline *p)
 		evaluate(p);
 		return;
 	}
-	p->stats.skipped += (uint64_t)p->waiting;
+	pipeline_miss(p, MISS_SKIPPED, p->cycle.id, "", (uint64_t)p->waiting, 0);
 	p->waiting = 1;
 	if (fault_state(p->faults.active) != STATE_ARMED) {
 		decide(p, &p->scene, NULL);
@@ -218,7 +220,10 @@ static void on_tick(struct pipeline *p)
 
 	const uint64_t misses = (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
 
-	p->stats.period_miss += misses;
+	pipeline_miss(p, MISS_PERIOD, p->cycle.id, "", misses, late_ns);
+	TRACE(p->o.trace, published, ++p->published, p->tick_ns + absent * p->period_ns,
+	      late_ns % p->period_ns, late_ns % p->period_ns > p->period_ns / 4);
+	pipeline_tell_clock(p);
 	if (misses && p->in.state < STATE_INIT) {
 		pipeline_event(p, RECORDER_MISS);
 	}
@@ -269,6 +274,7 @@ int pipeline_step(struct pipeline *p)
 	p->stats.frames += (uint64_t)n;
 	keep(p, f, n);
 	pipeline_take_offers(p);
+	pipeline_confirm(p);
 	if (!p->started) {
 		start(p);
 	} else if (p->now_ns - p->tick_ns > p->period_ns) {
@@ -334,6 +340,11 @@ int pipeline_open(const struct pipeline_open *o, struct pipeline **ret)
 const struct pipeline_stats *pipeline_stats(const struct pipeline *p)
 {
 	return &p->stats;
+}
+
+const struct hist *pipeline_hist(const struct pipeline *p, enum stage s)
+{
+	return &p->hist[s];
 }
 
 const struct decision_state *pipeline_decision(const struct pipeline *p)

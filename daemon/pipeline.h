@@ -9,28 +9,17 @@
 #include "config.h"
 #include "decision.h"
 #include "fault.h"
+#include "hist.h"
 #include "mapping.h"
 #include "mc.h"
 #include "publish.h"
 #include "scene.h"
-
-enum stage {
-#define STAGE(name, budget_ms, doc) STAGE_##name,
-#include "stage.def"
-#undef STAGE
-	STAGES
-};
-
-struct stage_row {
-	const char *name;
-	int budget_ms;
-	const char *doc;
-};
-extern const struct stage_row stage_table[STAGES];
+#include "stage.h"
+#include "trace.h"
 
 struct cycle {
 	uint64_t id;
-	int64_t t_ns[STAGES]; /* when each edge was passed; 0 = not yet */
+	int64_t t_ns[EDGES]; /* when each edge was passed; 0 = not yet */
 	struct scene scene;
 	struct mc_request req;
 	struct mc_result res;
@@ -40,16 +29,17 @@ struct cycle {
 
 /* Counters since start. */
 struct pipeline_stats {
-	uint64_t frames;      /* frames received on the configured interfaces */
-	uint64_t scans;       /* radar scans ended */
-	uint64_t evaluations; /* results decided upon */
-	uint64_t skipped;     /* scans not evaluated: the worker was busy */
-	uint64_t stage_miss;  /* stages over their budget (stage.def) */
-	uint64_t late;        /* results cut by the deadline, or older than their TTL */
-	uint64_t period_miss; /* request frames absent or more than 25 % late */
-	uint64_t sent;        /* frames handed to the bus */
-	double risk_max;      /* largest P(defer) of any evaluation */
-	uint32_t samples;     /* per evaluation, on the backend in use; 0 before there is one */
+	uint64_t frames;               /* frames received on the configured interfaces */
+	uint64_t scans;                /* radar scans ended */
+	uint64_t evaluations;          /* results decided upon */
+	uint64_t skipped;              /* scans not evaluated: the worker was busy */
+	uint64_t stage_miss;           /* stages over their budget (stage.def) */
+	uint64_t stage_misses[STAGES]; /* the same by stage */
+	uint64_t late;                 /* results cut by the deadline, or older than their TTL */
+	uint64_t period_miss;          /* request frames absent or more than 25 % late */
+	uint64_t sent;                 /* frames handed to the bus */
+	double risk_max;               /* largest P(defer) of any evaluation */
+	uint32_t samples; /* per evaluation, on the backend in use; 0 before there is one */
 };
 
 struct recorder;
@@ -66,8 +56,9 @@ struct pipeline_open {
 	/* Stamps within a step, clock_now_ns() when live. NULL on a log: all time is the bus's, so that the same log
 	 * gives the same frames; times of computation are then "not available". */
 	int64_t (*clock)(void);
+	const struct trace_ops *trace; /* NULL: nobody is told */
 	/* Called after every evaluation (a batch was run and decided upon); NULL for none. For CSV, traces, the recorder;
-	 * must not block when live. t_ns[STAGE_SEND] is 0 where the next periodic request frame will carry it. */
+	 * must not block when live. t_ns[EDGE_SEND] is 0 where the next periodic request frame will carry it. */
 	void (*on_cycle)(void *arg, const struct cycle *c, enum state state);
 	/* Called when level or state changed, whatever the cause; NULL for none. @now: what the frames say from here on. */
 	void (*on_change)(void *arg, int64_t t_ns, const struct publish_in *now);
@@ -129,6 +120,8 @@ void pipeline_finish(struct pipeline *p);
 const struct publish_in *pipeline_now(const struct pipeline *p);
 
 const struct pipeline_stats *pipeline_stats(const struct pipeline *p);
+const struct hist *pipeline_hist(const struct pipeline *p,
+				 enum stage s); /* any thread may read it */
 const struct decision_state *pipeline_decision(const struct pipeline *p);
 const uint64_t *pipeline_rejected(const struct pipeline *p); /* [SCENE_REJECTS] */
 

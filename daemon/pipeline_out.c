@@ -4,22 +4,11 @@
 #include "pipeline_priv.h"
 #include "clock.h"
 
-const struct stage_row stage_table[STAGES] = {
-#define STAGE(name, budget_ms, doc) {#name, budget_ms, doc},
-#include "stage.def"
-#undef STAGE
-};
-
 void pipeline_event(struct pipeline *p, enum recorder_reason why)
 {
 	if (p->o.recorder) {
 		recorder_trigger(p->o.recorder, why, p->now_ns);
 	}
-}
-
-int64_t pipeline_stamp(const struct pipeline *p)
-{
-	return p->o.clock ? p->o.clock() : p->now_ns;
 }
 
 /* ---- faults ------------------------------------------------------------------------------------ */
@@ -53,6 +42,7 @@ static uint32_t input_conditions(const struct pipeline *p)
 
 void pipeline_faults(struct pipeline *p)
 {
+	const uint32_t was = p->faults.active;
 	uint32_t raised = p->lasting | p->once | bus_conditions(p) | input_conditions(p);
 
 	raised |= __atomic_load_n(&p->outside, __ATOMIC_ACQUIRE);
@@ -61,6 +51,7 @@ void pipeline_faults(struct pipeline *p)
 	}
 	p->once = 0;
 	fault_update(&p->faults, raised, p->now_ns);
+	pipeline_tell_faults(p, was);
 }
 
 int pipeline_trusted(const struct pipeline *p)
@@ -70,38 +61,10 @@ int pipeline_trusted(const struct pipeline *p)
 
 /* ---- out --------------------------------------------------------------------------------------- */
 
-static uint64_t stage_misses(const struct cycle *c)
-{
-	int64_t from_ns = c->t_ns[STAGE_INPUT];
-	uint64_t n = 0;
-
-	for (int i = 0; i < STAGES; i++) {
-		if (stage_table[i].budget_ms && c->t_ns[i]) {
-			n += c->t_ns[i] - from_ns > stage_table[i].budget_ms * CLOCK_NS_PER_MS;
-			from_ns = c->t_ns[i];
-		}
-	}
-	return n;
-}
-
-/* The first request frame after a decision carries it: with it the evaluation is complete. */
-static void complete(struct pipeline *p)
-{
-	const int64_t *t = p->cycle.t_ns;
-
-	p->cycle.t_ns[STAGE_SEND] = pipeline_stamp(p);
-	p->stats.stage_miss += stage_misses(&p->cycle);
-	p->in.input_age_ns = t[STAGE_SCAN] - t[STAGE_INPUT];
-	if (p->o.clock) {
-		p->in.mc_ns = t[STAGE_RESULT] - t[STAGE_SUBMIT];
-		p->in.decision_ns = t[STAGE_SEND] - t[STAGE_RESULT];
-		p->in.total_ns = t[STAGE_SEND] - t[STAGE_INPUT];
-	}
-}
-
 void pipeline_send(struct pipeline *p, enum publish_msg which)
 {
 	struct bus_frame *f = &p->cycle.out[which];
+	const int64_t at_ns = pipeline_stamp(p);
 
 	p->in.skipped = p->stats.skipped;
 	p->in.late = p->stats.late;
@@ -110,11 +73,11 @@ void pipeline_send(struct pipeline *p, enum publish_msg which)
 	publish_pack(p->pub, which, &p->in, p->now_ns, f);
 	if (!p->o.quiet && p->o.bus->ops->send(p->o.bus, f)) {
 		p->once |= FAULT_BIT(TX_REFUSED);
-	} else if (!p->o.quiet) {
-		p->stats.sent++;
+		return;
 	}
-	if (which == PUBLISH_REQUEST && p->cycle.t_ns[STAGE_DECIDE] && !p->cycle.t_ns[STAGE_SEND]) {
-		complete(p);
+	p->stats.sent += !p->o.quiet;
+	if (which == PUBLISH_REQUEST && p->sent.waits) {
+		pipeline_sent(p, f, at_ns);
 	}
 }
 
@@ -130,6 +93,9 @@ int pipeline_state(struct pipeline *p, struct decision dec)
 	p->in.fault = p->faults.active;
 	if (!dec.changed && state == was) {
 		return 0;
+	}
+	if (state != was) {
+		TRACE(p->o.trace, state, state_name[was], state_name[state]);
 	}
 	if (dec.changed && dec.level > LEVEL_NONE) {
 		pipeline_event(p, dec.level == LEVEL_WARN ? RECORDER_WARN : RECORDER_REQUEST);

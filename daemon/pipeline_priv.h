@@ -5,6 +5,7 @@
 #define AEBMC_PIPELINE_PRIV_H
 
 #include "estimator.h"
+#include <string.h>
 #include "pipeline.h"
 #include "recorder.h"
 
@@ -27,6 +28,15 @@ struct pipeline {
 	struct scene scene; /* newest */
 
 	struct cycle cycle; /* the last evaluation, or the one under way */
+	/* The last decided one on its way out: its successor may be under way before it is confirmed. */
+	struct {
+		uint64_t id;
+		int64_t t_ns[EDGES];
+		int waits; /* for a request frame to carry it */
+	} sent;
+	struct hist hist[STAGES];
+	uint64_t published; /* request frames on the period */
+	int64_t clock_due_ns;
 	uint64_t last_id;
 	int running, waiting;     /* a batch is; a scan is, because a batch was */
 	int64_t cut_ns, stuck_ns; /* when to cut the batch; when to give it up */
@@ -53,6 +63,25 @@ void pipeline_event(struct pipeline *p, enum recorder_reason why);
 
 /** pipeline_stamp - now, within a step. */
 int64_t pipeline_stamp(const struct pipeline *p);
+
+/** pipeline_edge - the present cycle passed @e at @at_ns: stamp it, close and count the stages that end there. */
+void pipeline_edge(struct pipeline *p, enum edge e, int64_t at_ns);
+
+/** pipeline_miss - count @count of a kind; @stage: its name, or ""; @late_ns: by how much, 0 if that has no meaning. */
+void pipeline_miss(struct pipeline *p, enum miss kind, uint64_t cycle, const char *stage,
+		   uint64_t count, int64_t late_ns);
+
+/** pipeline_decided, pipeline_sent, pipeline_confirm - the way out: decided now; carried by @f, handed to the bus at
+ * @at_ns; seen back, if the bus says so since. */
+void pipeline_decided(struct pipeline *p);
+void pipeline_sent(struct pipeline *p, const struct bus_frame *f, int64_t at_ns);
+void pipeline_confirm(struct pipeline *p);
+
+/** pipeline_tell_* - events for the tracer: the cycle's figures; reasons that changed since @was; both clocks, once a
+ * second. */
+void pipeline_tell_evaluation(const struct pipeline *p);
+void pipeline_tell_faults(const struct pipeline *p, uint32_t was);
+void pipeline_tell_clock(struct pipeline *p);
 
 /** pipeline_faults - raise and clear reasons by what is known at now_ns. */
 void pipeline_faults(struct pipeline *p);

@@ -11,9 +11,9 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
-#define SLOTS         3
-#define FRESH         4u /* beside a slot number: written, not yet taken */
-#define CLOSE_WAIT_MS 200
+#define SLOTS   3
+#define FRESH   4u  /* beside a slot number: written, not yet taken */
+#define WAIT_MS 200 /* for the worker to say hello, or to end */
 
 /* One slot belongs to the writer, one to the reader, and the one between them changes hands. */
 struct box {
@@ -32,6 +32,8 @@ struct reply {
 	struct mc_result res;
 };
 
+enum watched { WATCHED_NOT, WATCHED_OFFERED, WATCHED };
+
 struct mc {
 	const struct mc_ops *ops;
 	struct mc_backend *backend;
@@ -45,6 +47,13 @@ struct mc {
 	int threaded;
 	int spins;
 	pthread_t thread;
+	struct mc_watch watch;
+	enum watched watched; /* atomic */
+};
+
+const char *const mc_edge_name[MC_EDGES] = {
+#define MC_EDGE(name, doc) #name,
+#include "mc_edge.def"
 };
 
 /* Gives the back slot away; returns 1 if the one before it was never taken. */
@@ -74,15 +83,37 @@ static void ring(int fd)
 	(void)n;
 }
 
+/* The backend belongs to the thread that runs it: it learns of the watch there. */
+static void greet(struct mc *mc)
+{
+	if (__atomic_load_n(&mc->watched, __ATOMIC_ACQUIRE) != WATCHED_OFFERED) {
+		return;
+	}
+	mc->watch.hello(mc->watch.arg);
+	if (mc->ops->watch) {
+		mc->ops->watch(mc->backend, &mc->watch);
+	}
+	__atomic_store_n(&mc->watched, WATCHED, __ATOMIC_RELEASE);
+}
+
+static void pass(const struct mc *mc, enum mc_edge e, uint64_t id)
+{
+	if (__atomic_load_n(&mc->watched, __ATOMIC_RELAXED) == WATCHED) {
+		mc->watch.edge(mc->watch.arg, e, id);
+	}
+}
+
 static void run_front(struct mc *mc)
 {
 	const struct entry *e = &mc->entry[mc->in.front];
 	struct reply *r = &mc->reply[mc->out.back];
 
+	pass(mc, MC_EDGE_TAKEN, e->req.id);
 	memset(r, 0, sizeof(*r));
 	r->err = mc->ops->run(mc->backend, &e->req, &mc->cut, &r->res);
 	r->res.id = e->req.id;
 	box_put(&mc->out);
+	pass(mc, MC_EDGE_DONE, e->req.id);
 	__atomic_store_n(&mc->finished, e->seq, __ATOMIC_RELEASE);
 }
 
@@ -92,6 +123,7 @@ static void *work(void *arg)
 	eventfd_t n;
 
 	while (!__atomic_load_n(&mc->stop, __ATOMIC_ACQUIRE)) {
+		greet(mc);
 		if (box_take(&mc->in)) {
 			run_front(mc);
 			ring(mc->done_fd);
@@ -195,6 +227,24 @@ void mc_cut(struct mc *mc, uint64_t id)
 	}
 }
 
+int mc_watch(struct mc *mc, const struct mc_watch *w)
+{
+	mc->watch = *w;
+	__atomic_store_n(&mc->watched, WATCHED_OFFERED, __ATOMIC_RELEASE);
+	if (mc->threaded) {
+		ring(mc->wake_fd);
+	} else {
+		greet(mc);
+	}
+	for (int ms = 0; ms < WAIT_MS; ms++) {
+		if (__atomic_load_n(&mc->watched, __ATOMIC_ACQUIRE) == WATCHED) {
+			return 0;
+		}
+		poll(NULL, 0, 1);
+	}
+	return -ETIMEDOUT;
+}
+
 int mc_eventfd(const struct mc *mc)
 {
 	return mc->done_fd;
@@ -208,7 +258,7 @@ unsigned long mc_thread(const struct mc *mc)
 /* Counts short sleeps: this room reads no clock. */
 static int join(struct mc *mc)
 {
-	for (int ms = 0; ms < CLOSE_WAIT_MS; ms++) {
+	for (int ms = 0; ms < WAIT_MS; ms++) {
 		if (pthread_tryjoin_np(mc->thread, NULL) == 0) {
 			return 0;
 		}

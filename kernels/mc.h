@@ -39,8 +39,9 @@ struct mc_prior {
 	4u /* the paper's verdict: still rolling at the horizon counts as contact */
 
 struct mc_request {
-	uint64_t id; /* >= 1; a cut ends all requests up to its id, so no later one may have such an id */
-	uint32_t n;  /* samples, >= 1; beyond the resident draws they are generated on the fly */
+	uint64_t
+		id; /* >= 1; a cut ends all requests up to its id, so no later one may have such an id */
+	uint32_t n; /* samples, >= 1; beyond the resident draws they are generated on the fly */
 	uint32_t flags;
 	uint32_t n_futures; /* 1..MC_FUTURES_MAX */
 	uint32_t n_priors;  /* 0 (hold al) .. MC_PRIORS_MAX */
@@ -100,6 +101,21 @@ struct mc_params {
 	const char *variant;    /* lane variant by name; NULL = best this processor has */
 };
 
+/* What the thread that runs batches passes, in order (mc_edge.def). */
+enum mc_edge {
+#define MC_EDGE(name, doc) MC_EDGE_##name,
+#include "mc_edge.def"
+	MC_EDGES
+};
+extern const char *const mc_edge_name[MC_EDGES]; /* "TAKEN", ... */
+
+/* Who is told of it, in that thread. Must not block or allocate. */
+struct mc_watch {
+	void (*hello)(const void *arg); /* once, before any edge; may allocate */
+	void (*edge)(const void *arg, enum mc_edge e, uint64_t id);
+	const void *arg;
+};
+
 struct mc;
 struct mc_ops;
 
@@ -154,6 +170,12 @@ int mc_busy(const struct mc *mc);
 
 /** mc_cut - ask the backend to end request @id (and any earlier one) at its next chunk. Never blocks. */
 void mc_cut(struct mc *mc, uint64_t id);
+
+/**
+ * mc_watch - from now on @w is told; once for a handle, before its first request
+ * Waits up to 200 ms until the compute thread has said hello. Returns 0 or -ETIMEDOUT.
+ */
+int mc_watch(struct mc *mc, const struct mc_watch *w);
 
 /** mc_eventfd - becomes readable when a result is finished; -1 for an inline handle. */
 int mc_eventfd(const struct mc *mc);

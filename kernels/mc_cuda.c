@@ -104,6 +104,13 @@ static int verify(const struct mc_backend *b, const struct cuda_job *job)
 	return good ? 0 : -EBADMSG;
 }
 
+static void pass(const struct mc_backend *b, enum mc_edge e)
+{
+	if (b->watch) {
+		b->watch->edge(b->watch->arg, e, b->id);
+	}
+}
+
 int mc_cuda_chunk(struct mc_backend *b, enum cuda_kernel k, struct cuda_job *job)
 {
 	int err;
@@ -112,11 +119,15 @@ int mc_cuda_chunk(struct mc_backend *b, enum cuda_kernel k, struct cuda_job *job
 	job->slice = (uint32_t)(b->seq % b->slices);
 	*b->job = *job;
 	err = CUDA_CALL(LAUNCH, cudaGraphLaunch(b->graph[k], b->stream));
+	pass(b, MC_EDGE_LAUNCHED);
 	err = err ? err : wait_for(b, job->seq);
+	pass(b, MC_EDGE_ANSWERED);
 	if (err && err != -ETIMEDOUT) {
 		b->failed = err;
 	}
-	return err ? err : verify(b, job);
+	err = err ? err : verify(b, job);
+	pass(b, MC_EDGE_VERIFIED);
+	return err;
 }
 
 /* ---- a batch --------------------------------------------------------------------------------------- */
@@ -201,6 +212,7 @@ static int cuda_run(struct mc_backend *b, const struct mc_request *req, const ui
 	if (err) {
 		return err;
 	}
+	b->id = req->id;
 	mc_cuda_job(&job, req);
 	hist_clear(b);
 	while (sums.n < req->n && !(cut && __atomic_load_n(cut, __ATOMIC_ACQUIRE) >= req->id)) {
@@ -274,6 +286,11 @@ static const struct mc_hist *cuda_hist(const struct mc_backend *b)
 	return &b->hist;
 }
 
+static void cuda_watch(struct mc_backend *b, const struct mc_watch *w)
+{
+	b->watch = w;
+}
+
 static const char *cuda_describe(const struct mc_backend *b)
 {
 	return b->info.name;
@@ -286,6 +303,7 @@ const struct mc_ops mc_cuda_ops = {
 	.samples = mc_cuda_samples,
 	.roll = mc_cuda_roll,
 	.hist = cuda_hist,
+	.watch = cuda_watch,
 	.describe = cuda_describe,
 	.close = cuda_close,
 };

@@ -35,10 +35,12 @@ struct mc_backend {
 	cudaStream_t stream;
 	cudaGraphExec_t graph[CUDA_KERNELS]; /* of the batch kernels */
 
-	uint64_t seq;           /* of the last chunk launched */
-	uint64_t pending;       /* of a chunk that never answered, or 0 */
-	int failed;             /* -errno: the context is gone until the process ends */
-	uint32_t spins, sleeps; /* how long to wait for a chunk */
+	uint64_t seq;                 /* of the last chunk launched */
+	uint64_t pending;             /* of a chunk that never answered, or 0 */
+	int failed;                   /* -errno: the context is gone until the process ends */
+	uint32_t spins, sleeps;       /* how long to wait for a chunk */
+	const struct mc_watch *watch; /* NULL: nobody is told */
+	uint64_t id;                  /* of the request under way */
 };
 
 /** mc_cuda_setup - device, memory, resident draws, graphs. Allocates; on failure mc_cuda_teardown() frees. */

@@ -45,6 +45,9 @@ struct mc_ops {
 	/* Histograms of the last run that wanted them; valid until the next run. */
 	const struct mc_hist *(*hist)(const struct mc_backend *b);
 
+	/* Tell @w of the edges within run() from now on; it outlives the backend. NULL where there are none. */
+	void (*watch)(struct mc_backend *b, const struct mc_watch *w);
+
 	/* One word for humans: lane variant or device name. */
 	const char *(*describe)(const struct mc_backend *b);
 

@@ -536,8 +536,8 @@ static void test_one_evaluation_per_scan(void **arg)
 	assert_int_equal(w.cycle.scene.scan, 20);
 	assert_true(w.cycle.req.mean[MODEL_HEADWAY] == 60);
 	assert_true(w.cycle.res.risk[FUTURE_DEFER].p == 0.001);
-	assert_int_equal(w.cycle.t_ns[STAGE_INPUT], w.now_ns - 30 * MS);
-	assert_int_equal(w.cycle.t_ns[STAGE_DECIDE], w.now_ns);
+	assert_int_equal(w.cycle.t_ns[EDGE_INPUT], w.now_ns - 30 * MS);
+	assert_int_equal(w.cycle.t_ns[EDGE_DECIDE], w.now_ns);
 	assert_int_equal(raw(last(PUBLISH_RISK), AEB_RISK_EVAL_ID), 20);
 	end();
 }

@@ -140,7 +140,25 @@ struct change {
 	struct estimator *e;
 	double first_s[DRIVE_TARGETS_MAX], last_s[DRIVE_TARGETS_MAX]; /* when each led */
 	int none;                                                     /* scans without a lead */
+	double nearer_s, behind_s; /* when each became more probable than the lead */
+	double object_gap_m;       /* largest error of their headways from then on */
 };
+
+static void watch_others(struct change *c, const struct scene *s, const struct drive_truth *now)
+{
+	const struct scene_object *near = &s->other[SCENE_NEARER], *far = &s->other[SCENE_BEHIND];
+
+	if (near->p > scene_lead_p(s)) {
+		c->nearer_s = c->nearer_s > 0 ? c->nearer_s : now->t_s;
+		c->object_gap_m =
+			fmax(c->object_gap_m, fabs(near->headway_m - now->target[1].gap_m));
+	}
+	if (far->p > scene_lead_p(s)) {
+		c->behind_s = c->behind_s > 0 ? c->behind_s : now->t_s;
+		c->object_gap_m =
+			fmax(c->object_gap_m, fabs(far->headway_m - now->target[1].gap_m));
+	}
+}
 
 static int watch_change(void *arg, const struct bus_frame *f, const struct drive_truth *now)
 {
@@ -153,6 +171,7 @@ static int watch_change(void *arg, const struct bus_frame *f, const struct drive
 	estimator_scene(c->e, f->t_ns, &s);
 	drives_assert_sound(&s);
 	c->none += !s.lead_valid;
+	watch_others(c, &s, now);
 	for (int i = 0; i < DRIVE_TARGETS_MAX && s.lead_valid; i++) {
 		if (fabs(s.x[SCENE_HEADWAY] - now->target[i].gap_m) < 1 &&
 		    fabs(s.lateral_m - now->target[i].lateral_m) < 1) {
@@ -191,6 +210,13 @@ static void who_cuts_in_leads_and_who_cuts_out_does_not(void **state)
 		assert_true(out.last_s[0] > 9.1 && out.last_s[0] < 9.6);
 		assert_true(out.first_s[1] > out.last_s[0] && out.first_s[1] < 9.9);
 		assert_int_equal(in.none + (i ? out.none : 0), 0);
+		/* a radar that sees both says so before, and where they are */
+		if (i) {
+			assert_true(in.nearer_s > 8 && in.nearer_s < in.first_s[1] - 0.2);
+			assert_true(out.behind_s > 8 && out.behind_s < out.first_s[1] - 0.2);
+			assert_true(in.object_gap_m < 1 && out.object_gap_m < 1);
+		}
+		assert_true(in.behind_s == 0 && out.nearer_s == 0);
 	}
 }
 

@@ -33,4 +33,11 @@ conf="--config can-dbc/vehicles/generic.conf --set mc.samples=1024"
 $host replay $conf --out "$dir/host.out" "$dir/host.log" >/dev/null
 $arm replay $conf --out "$dir/arm.out" "$dir/host.log" >/dev/null
 same "replayed drive" "$dir/host.out" "$dir/arm.out"
+
+# objects beside and behind the lead, in several slots
+conf="--config can-dbc/vehicles/toyota-tss-p.conf --set mc.samples=1024"
+$host generate $conf --drive cutin --out "$dir/cutin.log"
+$host replay $conf --out "$dir/host.out" "$dir/cutin.log" >/dev/null
+$arm replay $conf --out "$dir/arm.out" "$dir/cutin.log" >/dev/null
+same "replayed cut-in" "$dir/host.out" "$dir/arm.out"
 echo "1..$n"

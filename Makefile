@@ -221,7 +221,11 @@ check-arm64: deps-arm64 all
 		$(if $(HAVE_CUDA),tests/arm64/cuda.sh)
 
 # The live daemon as a service in a virtual machine with a PREEMPT_RT kernel (tests/system/).
-check-system: deps-system all
+SYSTEM_TOOLS := $(patsubst %.c,$(O)/%,$(wildcard tests/system/*.c))
+$(O)/tests/system/%: $(O)/tests/system/%.o
+	$(call say,LD,$@)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^
+check-system: deps-system all $(SYSTEM_TOOLS)
 	$(Q)mkdir -p $(O)/log
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --jobs 1 --log $(O)/log tests/system/behaviour.sh
 

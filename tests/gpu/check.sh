@@ -63,6 +63,7 @@ if section faults; then
 	run "$T/faults"
 	run "$T/inject"
 	run "$T/quiet"
+	run "$T/locked"
 fi
 if section flips; then
 	run "$T/flips" 10000

@@ -102,10 +102,12 @@ const char *json_path(const char *text, const char *path)
 	const char *p = skip_blanks(text);
 
 	while (p && *path) {
-		const size_t len = strcspn(path, ".");
+		const size_t whole = strlen(path);
+		const char *last = *p == '{' ? member_by_key(p, path, whole) : NULL;
+		const size_t len = last ? whole : strcspn(path, ".");
 
 		if (*p == '{') {
-			p = member_by_key(p, path, len);
+			p = last ? last : member_by_key(p, path, len);
 		} else {
 			p = *p == '[' ? member_by_index(p, strtol(path, NULL, 10)) : NULL;
 		}
@@ -146,4 +148,21 @@ int json_path_text(const char *text, const char *path, char *value, size_t size)
 	}
 	value[n] = '\0';
 	return 0;
+}
+
+int json_path_whole(const char *text)
+{
+	const char *p = skip_value(skip_blanks(text), 0);
+
+	return p && !*skip_blanks(p);
+}
+
+const char *json_path_first(const char *array)
+{
+	return *array == '[' ? member_by_index(array, 0) : NULL;
+}
+
+const char *json_path_next(const char *member)
+{
+	return next_member(member, 0);
 }

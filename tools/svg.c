@@ -24,7 +24,7 @@ void svg_css(FILE *out)
 	      ".fig .h{paint-order:stroke;stroke:#fff;stroke-width:3px;stroke-linejoin:round}\n"
 	      ".fig .l{fill:none;stroke:currentColor;stroke-width:1.6;stroke-linejoin:round}\n"
 	      ".fig .t{stroke-width:1.2;stroke-dasharray:5 4}\n"
-	      ".fig .d{fill:none;stroke:currentColor;stroke-width:4;stroke-linecap:round}\n"
+	      ".fig .d{fill:none;stroke:currentColor;stroke-width:5;stroke-linecap:round}\n"
 	      ".fig .b{fill:currentColor;fill-opacity:.22}.fig .f{fill:currentColor;"
 	      "fill-opacity:.75}"
 	      ".fig .sp{fill:currentColor;fill-opacity:.5}\n"
@@ -97,14 +97,21 @@ void svg_escape(FILE *out, const char *text)
 	}
 }
 
+/* Widths as in Helvetica, in shares of the size; of characters beyond ASCII the mean. */
 double svg_text_px(const char *text)
 {
-	size_t n = 0;
+	double em = 0;
 
 	for (; *text; text++) {
-		n += ((unsigned char)*text & 0xc0) != 0x80;
+		const unsigned char c = (unsigned char)*text;
+
+		em += (c & 0xc0) == 0x80              ? 0
+		      : strchr("ijlt.,:;'|!I ()f", c) ? 0.29
+		      : strchr("mwMW%@", c)           ? 0.84
+		      : c >= 'A' && c <= 'Z'          ? 0.68
+						      : 0.55;
 	}
-	return (double)n * SVG_CHAR_PX;
+	return em * SVG_TEXT_PX;
 }
 
 void svg_text(FILE *out, const char *class, double x_px, double y_px, char anchor, const char *text)

@@ -123,4 +123,7 @@ void svg_mark(struct svg *s, enum svg_colour c, double x, const char *text);
 /** svg_words - text at a point; @anchor 's'tart, 'm'iddle or 'e'nd; @dy_px down from it. */
 void svg_words(struct svg *s, double x, double y, double dy_px, char anchor, const char *text);
 
+/** svg_legend - a column in the upper left corner of the plot, for names too long for the row above it. */
+void svg_legend(struct svg *s, const struct svg_key *key, int n);
+
 #endif

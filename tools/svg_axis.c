@@ -71,7 +71,7 @@ void svg_round_out(struct svg_axis *a)
 	if (a->max - a->min <= 1e-9 * fabs(a->max)) {
 		a->max += fmax(fabs(a->max) * 0.1, 0.5);
 	}
-	const double step = round_step((a->max - a->min) / 6);
+	const double step = round_step((a->max - a->min) / 10);
 
 	a->min = floor(a->min / step + 1e-9) * step;
 	a->max = ceil(a->max / step - 1e-9) * step;
@@ -141,7 +141,7 @@ void svg_tick_text(const struct svg_axis *a, double v, double step, char text[SV
 	if (a->scale == SVG_LOG) {
 		const double e = log10(u);
 
-		if (fabs(e - round(e)) < 1e-9 && (e < -4.5 || e > 4.5)) {
+		if (fabs(e - round(e)) < 1e-9 && (e < -4.5 || e > 3.5)) {
 			power_text((int)round(e), text);
 		} else {
 			snprintf(text, SVG_TICK_MAX, "%g", u);

@@ -6,6 +6,8 @@
 
 #define COLUMN_PX 0.5 /* points within one column are drawn by their extremes */
 #define WORD_PX   14  /* a line of text */
+#define KEY_PX    20  /* the mark of a legend's entry */
+#define GAP_PX    16  /* between two entries */
 
 /* ---- lines and bands --------------------------------------------------------------------------- */
 
@@ -214,14 +216,24 @@ static void key_mark(const struct svg *s, const struct svg_key *k, double x_px, 
 
 void svg_draw_keys(const struct svg *s, const struct svg_key *key, int n)
 {
-	double x_px = s->x_px + s->w_px + 14;
+	double x_px = s->x_px + s->w_px + GAP_PX;
 
 	for (int i = 0; i < n; i++) {
-		x_px -= svg_text_px(key[i].text) + 34;
+		x_px -= svg_text_px(key[i].text) + KEY_PX + GAP_PX;
 	}
 	for (int i = 0; i < n; i++) {
 		key_mark(s, &key[i], x_px, s->y_px - 12);
-		svg_text(s->out, "s", x_px + 20, s->y_px - 8, 's', key[i].text);
-		x_px += svg_text_px(key[i].text) + 34;
+		svg_text(s->out, "s", x_px + KEY_PX, s->y_px - 8, 's', key[i].text);
+		x_px += svg_text_px(key[i].text) + KEY_PX + GAP_PX;
+	}
+}
+
+void svg_legend(struct svg *s, const struct svg_key *key, int n)
+{
+	for (int i = 0; i < n; i++) {
+		const double y_px = 12 + i * (WORD_PX + 3);
+
+		key_mark(s, &key[i], 8, y_px);
+		svg_text(s->out, "h", 10 + KEY_PX, y_px + 4, 's', key[i].text);
 	}
 }

@@ -7,7 +7,6 @@
 #include "svg.h"
 
 #define SVG_TEXT_PX  11.5 /* as in svg_css */
-#define SVG_CHAR_PX  6.5  /* its mean width, on the safe side */
 #define SVG_TICKS    64
 #define SVG_TICK_MAX 24 /* bytes of a number */
 

@@ -58,18 +58,12 @@ HD float sample_lift(float v, float lo, int *lifted)
 	return v < lo ? lo : v;
 }
 
-/* sample_prior - the row of @x that the uniform @u picks. */
-HD float sample_prior(const float cum[MC_PRIORS_MAX], const float x[MC_PRIORS_MAX], float u)
+/* sample_row - the row of the prior that the uniform @u picks. */
+HD uint32_t sample_row(const float cum[MC_PRIORS_MAX], float u)
 {
-	float x0 = x[0], x1 = x[1], x2 = x[2], x3 = x[3], x4 = x[4], x5 = x[5], x6 = x[6];
-	float v = u < cum[6] ? x6 : x[7];
-
-	v = u < cum[5] ? x5 : v;
-	v = u < cum[4] ? x4 : v;
-	v = u < cum[3] ? x3 : v;
-	v = u < cum[2] ? x2 : v;
-	v = u < cum[1] ? x1 : v;
-	return u < cum[0] ? x0 : v;
+	return (u < cum[0] ? 0u : 1u) + (u < cum[1] ? 0u : 1u) + (u < cum[2] ? 0u : 1u) +
+	       (u < cum[3] ? 0u : 1u) + (u < cum[4] ? 0u : 1u) + (u < cum[5] ? 0u : 1u) +
+	       (u < cum[6] ? 0u : 1u);
 }
 
 /**
@@ -85,7 +79,7 @@ HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__rest
 	const float *m = p->mean, *f = p->factor, *sd = p->sigma, *lo = p->floor;
 	const size_t s = stride, o = in_stride;
 	float z0 = z[0], z1 = z[s], z2 = z[2 * s], z3 = z[3 * s], z4 = z[4 * s];
-	float u = z[MC_DIM_PRIOR * s];
+	const uint32_t row = sample_row(p->prior_cum, z[MC_DIM_PRIOR * s]);
 	float hw = det_fmaf(f[0], z0, m[0]);
 	float ve = det_fmaf(f[2], z1, det_fmaf(f[1], z0, m[1]));
 	float ae = det_fmaf(f[5], z2, det_fmaf(f[4], z1, det_fmaf(f[3], z0, m[2])));
@@ -100,10 +94,9 @@ HD int sample_draw(const struct sample_plan *__restrict__ p, const float *__rest
 
 	vl = det_fmaf(f[9], z3, det_fmaf(f[8], z2, vl));
 	al = det_fmaf(f[14], z4, det_fmaf(f[13], z3, det_fmaf(f[12], z2, al)));
-	al = det_fmaf(sample_prior(p->prior_cum, p->prior_gain, u), al,
-		      sample_prior(p->prior_cum, p->prior_offset, u));
-	hw = hw + sample_prior(p->prior_cum, p->prior_headway, u);
-	vl = vl + sample_prior(p->prior_cum, p->prior_speed, u);
+	al = det_fmaf(p->prior_gain[row], al, p->prior_offset[row]);
+	hw = hw + p->prior_headway[row];
+	vl = vl + p->prior_speed[row];
 	in[0] = sample_lift(hw, lo[MC_FLOOR_HEADWAY], &lifted);
 	in[o] = sample_lift(ve, 0.0f, &lifted);
 	in[2 * o] = ae;

@@ -107,7 +107,7 @@ static void answer_status(struct live *l, char *reply, size_t size)
 		snprintf(reply, size, "{\"error\":\"out of memory\"}");
 		return;
 	}
-	status_json(&l->seen, l->link, l->map->n_ifaces, out);
+	status_json(&l->seen, pipeline_hist(l->pipeline), l->link, l->map->n_ifaces, out);
 	fclose(out);
 	reply[strcspn(reply, "\n")] = '\0'; /* the socket ends the line */
 }
@@ -260,6 +260,17 @@ static void look_after_events(struct live *l, int64_t now_ns, int finish)
 	}
 }
 
+/* A tracer's trigger that hangs on this writes to a pipe: not in a real-time thread. */
+static void tell_tracer(struct live *l, int64_t now_ns)
+{
+	const struct pipeline_stats *s = &l->seen.stats;
+	const uint64_t missed = s->stage_miss + s->late + s->period_miss + s->skipped;
+
+	if (trace_alarm(&l->alarm, missed, now_ns)) {
+		TRACE(l->trace, deadline_miss, missed);
+	}
+}
+
 /* Configuration valid, memory locked, backend warm: all of it is done before the first round. */
 static void tell_ready(struct live *l)
 {
@@ -305,6 +316,7 @@ int housekeeping_run(struct live *l, char *err, int err_len)
 			links_ns = now_ns + LINKS_NS;
 		}
 		feed_watchdog(l, now_ns);
+		tell_tracer(l, now_ns);
 		look_after_events(l, now_ns, 0);
 		if (l->control) {
 			control_serve(l->control);

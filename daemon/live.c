@@ -49,6 +49,7 @@ static void *real_time(void *arg)
 	int ret = 0;
 
 	rt_prefault_stack(256 * 1024);
+	TRACE(l->trace, thread);
 	while (!ret && !__atomic_load_n(&l->stop, __ATOMIC_ACQUIRE)) {
 		ret = pipeline_step(l->pipeline);
 		steps++;
@@ -86,6 +87,17 @@ static int open_signals(struct live *l, char *err, int err_len)
 static void close_signals(struct live *l)
 {
 	close(l->signal_fd);
+}
+
+/* Its threads, if it has any, are there before ours and take no signals. */
+static int open_trace(struct live *l, char *err, int err_len)
+{
+	return trace_load((enum trace_provider)l->cfg->trace_provider, 1, &l->trace, err, err_len);
+}
+
+static void close_nothing(struct live *l)
+{
+	(void)l;
 }
 
 /* $DIRECTORY/name from the unit's environment, unless the option says otherwise; 0 if there is neither. */
@@ -202,6 +214,7 @@ static int open_pipeline(struct live *l, char *err, int err_len)
 					.needs_arm =
 						l->cfg->bus_transmit == AEB_STATUS_TRANSMIT_ARMED,
 					.recorder = l->recorder,
+					.trace = l->trace,
 					.clock = clock_now_ns};
 	int ret = pipeline_open(&o, &l->pipeline);
 
@@ -279,6 +292,14 @@ static void log_size(const char *backend, const struct engine_size *s)
 	}
 }
 
+/* Before the thread is a real-time one: meeting the tracer allocates. */
+static void watch(struct live *l, struct mc *mc)
+{
+	if (l->trace && mc && mc_watch(mc, &l->watch)) {
+		service_log(SERVICE_WARNING, "TRACE", "the compute thread does not answer");
+	}
+}
+
 static int open_mc(struct live *l, char *err, int err_len)
 {
 	const struct engine *e = &l->engine;
@@ -290,6 +311,9 @@ static int open_mc(struct live *l, char *err, int err_len)
 	if (err[0]) {
 		service_log(SERVICE_WARNING, l->engine.faults ? "GPU" : "CALIBRATION", err);
 	}
+	l->watch = trace_watch(l->trace);
+	watch(l, e->mc);
+	watch(l, e->spare);
 	log_size(publish_backend_name[e->which], &e->size);
 	log_size("cpu, standing by", &e->spare_size);
 	pipeline_raise(l->pipeline, e->faults);
@@ -356,15 +380,11 @@ static const struct room {
 	int (*open)(struct live *l, char *err, int err_len);
 	void (*close)(struct live *l);
 } rooms[] = {
-	{open_signals, close_signals},
-	{open_control, close_control},
-	{open_bus, close_bus},
-	{open_recorder, close_recorder},
-	{open_pipeline, close_pipeline},
-	{open_thread, stop_thread},
-	{open_mc, close_mc},
-	{open_real_time, close_real_time},
-	{open_nothing, stop_thread},
+	{open_signals, close_signals},     {open_trace, close_nothing},
+	{open_control, close_control},     {open_bus, close_bus},
+	{open_recorder, close_recorder},   {open_pipeline, close_pipeline},
+	{open_thread, stop_thread},        {open_mc, close_mc},
+	{open_real_time, close_real_time}, {open_nothing, stop_thread},
 };
 
 #define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))

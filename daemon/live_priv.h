@@ -27,6 +27,9 @@ struct live {
 	struct recorder *recorder;
 	struct control *control;
 	struct pipeline *pipeline;
+	const struct trace_ops *trace; /* NULL: none */
+	struct mc_watch watch;
+	struct trace_alarm alarm;
 	struct ring *snapshots; /* struct status: written by the real-time thread */
 	int latency_fd;
 

@@ -89,6 +89,7 @@ struct daemon {
 	struct mc *mc;
 	enum publish_backend backend;
 	struct pipeline *pipeline;
+	const struct trace_ops *trace;
 };
 
 static int open_config(struct daemon *d, char *err, int err_len)
@@ -129,10 +130,25 @@ static void close_mc(struct daemon *d)
 	mc_close(d->mc);
 }
 
+/* A short run is to be recorded from its first event on. */
+static int open_trace(struct daemon *d, char *err, int err_len)
+{
+	return trace_load((enum trace_provider)d->cfg.trace_provider, 0, &d->trace, err, err_len);
+}
+
+static void close_trace(struct daemon *d)
+{
+	(void)d;
+}
+
 static int open_pipeline(struct daemon *d, char *err, int err_len)
 {
-	const struct pipeline_open o = {
-		.cfg = &d->cfg, .map = d->map, .bus = d->bus, .mc = d->mc, .backend = d->backend};
+	const struct pipeline_open o = {.cfg = &d->cfg,
+					.map = d->map,
+					.bus = d->bus,
+					.mc = d->mc,
+					.backend = d->backend,
+					.trace = d->trace};
 	int rc = pipeline_open(&o, &d->pipeline);
 
 	if (rc) {
@@ -155,6 +171,7 @@ static const struct room {
 	{open_config, close_config, EXIT_CONFIG},
 	{open_bus, close_bus, EXIT_FAILED},
 	{open_mc, close_mc, EXIT_FAILED},
+	{open_trace, close_trace, EXIT_FAILED},
 	{open_pipeline, close_pipeline, EXIT_FAILED},
 };
 

@@ -342,9 +342,9 @@ const struct pipeline_stats *pipeline_stats(const struct pipeline *p)
 	return &p->stats;
 }
 
-const struct hist *pipeline_hist(const struct pipeline *p, enum stage s)
+const struct hist *pipeline_hist(const struct pipeline *p)
 {
-	return &p->hist[s];
+	return p->hist;
 }
 
 const struct decision_state *pipeline_decision(const struct pipeline *p)

@@ -120,8 +120,7 @@ void pipeline_finish(struct pipeline *p);
 const struct publish_in *pipeline_now(const struct pipeline *p);
 
 const struct pipeline_stats *pipeline_stats(const struct pipeline *p);
-const struct hist *pipeline_hist(const struct pipeline *p,
-				 enum stage s); /* any thread may read it */
+const struct hist *pipeline_hist(const struct pipeline *p); /* [STAGES]; any thread may read it */
 const struct decision_state *pipeline_decision(const struct pipeline *p);
 const uint64_t *pipeline_rejected(const struct pipeline *p); /* [SCENE_REJECTS] */
 

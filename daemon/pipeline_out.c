@@ -70,6 +70,9 @@ void pipeline_send(struct pipeline *p, enum publish_msg which)
 	p->in.late = p->stats.late;
 	p->in.stage_miss = p->stats.stage_miss;
 	p->in.period_miss = p->stats.period_miss;
+	if (which == PUBLISH_TIMING) {
+		pipeline_stages(p);
+	}
 	publish_pack(p->pub, which, &p->in, p->now_ns, f);
 	if (!p->o.quiet && p->o.bus->ops->send(p->o.bus, f)) {
 		p->once |= FAULT_BIT(TX_REFUSED);

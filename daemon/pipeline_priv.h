@@ -77,6 +77,9 @@ void pipeline_decided(struct pipeline *p);
 void pipeline_sent(struct pipeline *p, const struct bus_frame *f, int64_t at_ns);
 void pipeline_confirm(struct pipeline *p);
 
+/** pipeline_stages - what AEB_TIMING says of each stage. A log's time knows no computation: of it, the inputs' age alone. */
+void pipeline_stages(struct pipeline *p);
+
 /** pipeline_tell_* - events for the tracer: the cycle's figures; reasons that changed since @was; both clocks, once a
  * second. */
 void pipeline_tell_evaluation(const struct pipeline *p);

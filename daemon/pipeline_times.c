@@ -110,6 +110,18 @@ void pipeline_confirm(struct pipeline *p)
 	tell_times(p, EDGE_CONFIRM);
 }
 
+void pipeline_stages(struct pipeline *p)
+{
+	for (int s = 0; s < STAGES; s++) {
+		const struct hist *h = &p->hist[s];
+		const int known = hist_count(h) && (p->o.clock || s == STAGE_INPUT);
+
+		p->in.stage[s] = (struct publish_stage){p->stats.stage_misses[s],
+							known ? hist_percentile(h, 0.99) : -1,
+							known ? hist_max_ns(h) : -1};
+	}
+}
+
 /* ---- for the tracer alone ------------------------------------------------------------------------------ */
 
 void pipeline_tell_evaluation(const struct pipeline *p)

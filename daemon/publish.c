@@ -167,6 +167,45 @@ static void pack_setup(const struct publish_in *in, uint8_t *data)
 	put_raw(data, AEB_TIMING_HASH, in->hash);
 }
 
+/* The stages that have a budget, and where the contract has their figures. */
+static const struct {
+	enum stage stage;
+	enum contract_signal misses, p99, max;
+} stage_rows[] = {
+	{STAGE_INPUT, AEB_TIMING_INPUT_MISSES, AEB_TIMING_INPUT_P99, AEB_TIMING_INPUT_MAX},
+	{STAGE_MC, AEB_TIMING_MC_MISSES, AEB_TIMING_MC_P99, AEB_TIMING_MC_MAX},
+	{STAGE_DECISION, AEB_TIMING_DECISION_MISSES, AEB_TIMING_DECISION_P99,
+	 AEB_TIMING_DECISION_MAX},
+	{STAGE_TOTAL, AEB_TIMING_TOTAL_MISSES, AEB_TIMING_TOTAL_P99, AEB_TIMING_TOTAL_MAX},
+};
+#define STAGE_ROWS (sizeof(stage_rows) / sizeof(stage_rows[0]))
+
+static void pack_stages(const struct publish_in *in, uint8_t *data)
+{
+	for (size_t i = 0; i < STAGE_ROWS; i++) {
+		put_raw(data, stage_rows[i].misses, in->stage[stage_rows[i].stage].misses);
+	}
+}
+
+static void put_longest(uint8_t *data, enum contract_signal which, int64_t ns)
+{
+	put(data, which, ns < 0 ? NAN : (double)ns * MS, UP);
+}
+
+static void pack_p99(const struct publish_in *in, uint8_t *data)
+{
+	for (size_t i = 0; i < STAGE_ROWS; i++) {
+		put_longest(data, stage_rows[i].p99, in->stage[stage_rows[i].stage].p99_ns);
+	}
+}
+
+static void pack_max(const struct publish_in *in, uint8_t *data)
+{
+	for (size_t i = 0; i < STAGE_ROWS; i++) {
+		put_longest(data, stage_rows[i].max, in->stage[stage_rows[i].stage].max_ns);
+	}
+}
+
 static void pack_timing(struct publish *p, const struct publish_in *in, int64_t now_ns,
 			uint8_t *data)
 {
@@ -174,6 +213,9 @@ static void pack_timing(struct publish *p, const struct publish_in *in, int64_t 
 		[AEB_TIMING_PAGE_TIMES] = pack_times,
 		[AEB_TIMING_PAGE_MISSES] = pack_misses,
 		[AEB_TIMING_PAGE_SETUP] = pack_setup,
+		[AEB_TIMING_PAGE_MISSES_BY_STAGE] = pack_stages,
+		[AEB_TIMING_PAGE_P99] = pack_p99,
+		[AEB_TIMING_PAGE_LONGEST] = pack_max,
 	};
 
 	(void)now_ns;

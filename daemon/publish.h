@@ -12,6 +12,7 @@
 #include "fault.h"
 #include "mc.h"
 #include "scene.h"
+#include "stage.h"
 
 /* Our messages, in the order of the contract; identifiers follow each other from bus.request_id. */
 enum publish_msg {
@@ -31,6 +32,12 @@ enum publish_backend {
 };
 extern const char *const publish_backend_name[PUBLISH_BACKENDS]; /* "none", "cpu", "cuda" */
 
+/* Since start; -1: unknown. */
+struct publish_stage {
+	uint64_t misses;
+	int64_t p99_ns, max_ns;
+};
+
 /* Everything a frame may carry; the pipeline keeps it current. */
 struct publish_in {
 	enum state state;
@@ -44,6 +51,7 @@ struct publish_in {
 	uint64_t eval_id;   /* last evaluation; 0 = none yet */
 	uint64_t skipped, late, stage_miss, period_miss;
 	int64_t input_age_ns, mc_ns, decision_ns, total_ns; /* last evaluation; -1 unknown */
+	struct publish_stage stage[STAGES];                 /* current when AEB_TIMING is packed */
 	uint16_t hash;                                      /* contract and configuration */
 	uint32_t
 		samples; /* in the last batch; before one, what the backend will run; 0 without a backend */

@@ -55,6 +55,18 @@ static const struct word_row {
 	{PUBLISH_TIMING, AEB_TIMING_SKIPPED_SCANS, "skipped scans", PLAIN},
 	{PUBLISH_TIMING, AEB_TIMING_SAMPLES, "samples", PLAIN},
 	{PUBLISH_TIMING, AEB_TIMING_HASH, "hash", HEX},
+	{PUBLISH_TIMING, AEB_TIMING_INPUT_MISSES, "input over budget", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_MC_MISSES, "batch over budget", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_DECISION_MISSES, "decision over budget", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_TOTAL_MISSES, "total over budget", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_INPUT_P99, "99 % of input", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_MC_P99, "99 % of batch", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_DECISION_P99, "99 % of decision", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_TOTAL_P99, "99 % of total", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_INPUT_MAX, "longest input", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_MC_MAX, "longest batch", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_DECISION_MAX, "longest decision", PLAIN},
+	{PUBLISH_TIMING, AEB_TIMING_TOTAL_MAX, "longest total", PLAIN},
 };
 
 /* A line under construction; what does not fit is cut off. */

@@ -68,6 +68,34 @@ static void times(struct json *j, const struct publish_in *p)
 	json_close(j, '}');
 }
 
+/* A stage that was never passed has no figures. */
+static void stages(struct json *j, const struct status *s, const struct hist *hist)
+{
+	static const struct {
+		const char *key;
+		double q;
+	} figure[] = {{"p50_ms", 0.5}, {"p95_ms", 0.95}, {"p99_ms", 0.99}, {"p99_9_ms", 0.999}};
+
+	json_open(j, "stages", '{');
+	for (int i = 0; i < STAGES; i++) {
+		const struct hist *h = &hist[i];
+		const uint64_t n = hist_count(h);
+
+		json_open(j, stage_table[i].name, '{');
+		json_uint(j, "n", n);
+		for (size_t k = 0; k < sizeof(figure) / sizeof(figure[0]); k++) {
+			json_num(j, figure[k].key,
+				 n ? (double)hist_percentile(h, figure[k].q) / 1e6 : NAN);
+		}
+		json_num(j, "max_ms", n ? (double)hist_max_ns(h) / 1e6 : NAN);
+		if (stage_table[i].budget_ns) {
+			json_uint(j, "misses", s->stats.stage_misses[i]);
+		}
+		json_close(j, '}');
+	}
+	json_close(j, '}');
+}
+
 static void counters(struct json *j, const struct status *s)
 {
 	const struct {
@@ -125,7 +153,8 @@ static void links_json(struct json *j, const struct status_link *l, int n)
 	json_close(j, ']');
 }
 
-void status_json(const struct status *s, const struct status_link *links, int n_links, FILE *out)
+void status_json(const struct status *s, const struct hist *hist, const struct status_link *links,
+		 int n_links, FILE *out)
 {
 	struct json j = json_start(out);
 
@@ -146,6 +175,7 @@ void status_json(const struct status *s, const struct status_link *links, int n_
 	risks(&j, &s->now);
 	scene(&j, &s->now.scene);
 	times(&j, &s->now);
+	stages(&j, s, hist);
 	counters(&j, s);
 	links_json(&j, links, n_links);
 	json_close(&j, '}');

@@ -30,8 +30,9 @@ struct status_link {
 	struct link_state link;
 };
 
-/** status_json - one line of JSON, schema "aebmc.status.1". */
-void status_json(const struct status *s, const struct status_link *links, int n_links, FILE *out);
+/** status_json - one line of JSON, schema "aebmc.status.1". @hist: [STAGES] */
+void status_json(const struct status *s, const struct hist *hist, const struct status_link *links,
+		 int n_links, FILE *out);
 
 /** status_words - one short line for the service manager. Returns its length. */
 int status_words(const struct status *s, char *line, int size);

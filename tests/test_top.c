@@ -35,6 +35,7 @@ void ask_close(struct ask *a)
 }
 
 static char text[CONTROL_REPLY_MAX];
+static struct hist hist[STAGES];
 
 static int write_status(void **state)
 {
@@ -43,7 +44,8 @@ static int write_status(void **state)
 	FILE *out = fmemopen(text, sizeof(text), "w");
 
 	(void)state;
-	status_json(&s, link, 1, out);
+	hist_add(&hist[STAGE_MC], 12000000);
+	status_json(&s, hist, link, 1, out);
 	return fclose(out);
 }
 

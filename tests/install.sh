@@ -20,7 +20,7 @@ unit=$prefix/lib/systemd/system/aebmcd@.service
 like "the unit starts the daemon from there" "$unit" '^ExecStart=/opt/aebmc/sbin/aebmcd --config /etc/aebmc/%i.conf$'
 for f in aebmc-irq aebmc-clocks; do
 	like "$f.service starts its script from there" "$prefix/lib/systemd/system/$f.service" \
-		"^ExecStart=/opt/aebmc/share/aebmc/rt-config/$f\$"
+		"^ExecStart=/opt/aebmc/share/aebmc/rt-config/$f( follow)?\$"
 	ok "which can be run" test -x "$prefix/share/aebmc/rt-config/$f"
 done
 for f in lib/sysusers.d/aebmc.conf lib/tmpfiles.d/aebmc.conf lib/udev/rules.d/60-aebmc.rules; do

@@ -1,16 +1,17 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # Installs the build into a payload, boots the virtual machine with it and runs its tests. TAP on standard output.
-# O: the build (default build); the console's whole log is kept in $O/system/.
+# O: the build (default build); the console's whole log is kept in $O/system/. ONLY: names of tests (tests/system/guest)
+# to run instead of all. MODE=multi: two processors in the host's time, see boot.sh.
 set -eu
-mode=behaviour
-O=${O:-build}
+mode=${MODE:-behaviour}
+O=$(realpath -m "${O:-build}")
 cd "$(dirname "$0")/../.."
 payload=$O/system/$mode
 rm -rf "$payload"
 mkdir -p "$payload/root" "$payload/logs"
 
-make --no-print-directory -s O="$O" DESTDIR="$PWD/$payload/root" PREFIX=/usr install >&2
+make --no-print-directory -s O="$O" DESTDIR="$payload/root" PREFIX=/usr install >&2
 # Debian's merged /usr: a payload must not replace the guest's /lib link by a folder.
 if [ -d "$payload/root/lib" ] && [ ! -L "$payload/root/lib" ]; then
 	cp -a "$payload/root/lib/." "$payload/root/usr/lib/" && rm -rf "$payload/root/lib"
@@ -18,10 +19,14 @@ fi
 for drive in brake follow; do
 	"$O/aebmc" generate --drive $drive --out "$payload/logs/$drive.log"
 done
-cp tests/system/lib.sh "$payload/"
-cp tests/system/guest "$payload/"
+awk '{ t = substr($1, 2) + 0 } NR == 1 { start = t } t >= start + 14' "$payload/logs/brake.log" >"$payload/logs/brake-end.log"
+recorded=../shared/canlog/comma2k19-rav4-seg40-speed-radar.log.xz
+[ ! -r $recorded ] || xz -dc $recorded >"$payload/logs/recorded.log"
+cp tests/system/guest tests/system/*.bash tests/system/lib.sh tests/system/scenes.py "$payload/"
+[ -z "${ONLY:-}" ] || printf '%s\n' $ONLY >"$payload/only"
+[ "$mode" = behaviour ] || : >"$payload/untimed"
 
-if ! tests/system/boot.sh "$mode" "$payload" 1500 >"$O/system/$mode.console" 2>&1; then
+if ! tests/system/boot.sh "$mode" "$payload" 1100 >"$O/system/$mode.console" 2>&1; then
 	echo "# the virtual machine did not power off by itself"
 fi
 tr -d '\r' <"$O/system/$mode.console" | sed -n '/^\(not \)\{0,1\}ok \|^1\.\.\|^# /p'

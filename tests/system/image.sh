@@ -46,14 +46,14 @@ done
 echo aebmc-test >"$root/etc/hostname"
 passwd --root "$root" -d root >&2 2>/dev/null || true
 
-# initramfs: busybox and the two drivers that find the root disk
+# initramfs: busybox and the drivers that find the root disk
 kernel=$(ls "$root/lib/modules")
 init=$work/initramfs
 mkdir -p "$init/bin" "$init/dev" "$init/proc" "$init/sys" "$init/root"
 cp /bin/busybox "$init/bin/busybox"
 cp "$here/init" "$init/init"
 i=0
-for driver in crc32c_generic virtio_pci virtio_blk ext4; do
+for driver in crc32c_generic nfit nd_pmem ext4; do
 	modprobe -S "$kernel" -d "$root" --show-depends $driver
 done | awk '$1 == "insmod" && !seen[$2]++ { print $2 }' | while read -r m; do
 	i=$((i + 1))

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: MIT
+# System tests: interfaces that go and come, and real controllers (two emulated kvaser ones on one bus).
+
+TWO=('bus.interfaces=vcan0 vcan2' bus.out_interface=vcan2 'message EGO.interface=vcan0' 'message DRIVER.interface=vcan0'
+	'message LEAD.interface=vcan0')
+
+# at_once IP-COMMAND: without the time that starting `ip` takes; sets $at to the moment
+at_once() {
+	coproc IP { ip -batch -; }
+	sleep 0.3
+	at=$EPOCHREALTIME
+	echo "$*" >&"${IP[1]}"
+	exec {IP[1]}>&-
+	wait "$IP_PID"
+}
+link_loss_is_said_on_every_other_bus_within_a_period() {
+	good "${TWO[@]}" || return 1
+	listen vcan2
+	at_once link set vcan0 down
+	sleep 0.3
+	heard
+	has_reason BUS_DOWN && state_is INHIBIT &&
+		at_most 20 "$(first_after "$at" 'AEB_REQUEST: state INHIBIT')" "INHIBIT on the other bus after"
+	local ok=$?
+	traffic_stop
+	ip link set vcan0 up
+	return $ok
+}
+lost_output_is_said_in_the_status() {
+	good "${TWO[@]}" && ip link set vcan2 down && within 1 has_reason BUS_DOWN && state_is INHIBIT || return 1
+	listen vcan2
+	ip link set vcan2 up
+	armed
+	heard
+	sed -n '/AEB_REQUEST/p' /tmp/words | head -n 1 | tee /dev/stderr | grep -q 'state INHIBIT'
+}
+buffers_full_inhibits() {
+	good "${TWO[@]}" && tc qdisc add dev vcan2 root tbf rate 8kbit burst 64 limit 64 &&
+		within 2 has_reason TX_REFUSED && state_is INHIBIT && is 'counters.tx_refused > 5'
+	local ok=$?
+	tc qdisc del dev vcan2 root
+	[ $ok = 0 ] && within 5 lacks_reason TX_REFUSED && armed
+}
+link_down_inhibits_up_arms_again() {
+	good && ip link set vcan0 down && within 1 has_reason BUS_DOWN && state_is INHIBIT && traffic_stop || return 1
+	sleep 1
+	listen vcan0
+	ip link set vcan0 up
+	traffic follow.log
+	armed
+	heard
+	grep AEB_REQUEST /tmp/words | head -n 1 | tee /dev/stderr | grep -q 'state INHIBIT' || return 1
+	local first
+	first=$(awk '/ 110#/ { gsub(/[()]/, "", $1); print $1; exit }' /tmp/bus.log)
+	at_most 1000 "$(first_after "$first" 'AEB_REQUEST: state ARMED')" "ARMED after good traffic began by"
+}
+deleted_and_created_again() {
+	good && ip link del vcan0 && within 1 has_reason BUS_DOWN && state_is INHIBIT || return 1
+	traffic_stop
+	sleep 0.5
+	create vcan0
+	good && within 2 is 'counters.confirmed > 0'
+}
+missing_at_start() {
+	stop
+	ip link del vcan0
+	start && within 1 has_reason BUS_DOWN && active || return 1
+	create vcan0
+	good
+}
+create() { ip link add dev "$1" type vcan && ip link set up "$1"; }
+
+controllers_up() {
+	ip link set can0 up type can bitrate 500000 sample-point 0.875 restart-ms 100 && ip link set can1 up type can bitrate 500000
+}
+kvaser_state_is_known() {
+	is 'links.0.name == can0 and links.0.known == true and links.0.bitrate == 500000 and links.0.restart_ms == 100' &&
+		is 'links.0.state == error-active and links.0.tx_errors == 0 and links.0.rx_errors == 0 and links.0.sample_point > 0.8'
+}
+frames_cross_real_controllers_and_arm() {
+	stop
+	controllers_up && start bus.interfaces=can0 bus.allow_local=no || return 1
+	traffic follow.log can1
+	armed && is 'counters.confirmed > 20 and counters.rx_local == 0' && kvaser_state_is_known || return 1
+	listen can1$OURS
+	sleep 1
+	heard
+	[ "$(grep -c 'AEB_REQUEST: state ARMED' /tmp/words)" -ge 40 ]
+}
+controller_down_is_seen() {
+	ip link set can0 down && within 1 has_reason BUS_DOWN && state_is INHIBIT && within 1 is 'links.0.state == stopped' &&
+		is 'links.0.up == false' || return 1
+	ip link set can0 up && armed && is 'links.0.state == error-active'
+}
+wrong_bit_rate_is_seen() {
+	ip link set can0 down && ip link set can0 up type can bitrate 250000 && within 1 is 'links.0.bitrate == 250000'
+}

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+# System tests: the process stopped, killed, misconfigured, reloaded, and a machine that misbehaves around it.
+
+watchdog() {
+	mkdir -p /run/systemd/system/aebmcd@test.service.d
+	printf '[Service]\nWatchdogSec=%s\n' "$1" >/run/systemd/system/aebmcd@test.service.d/watchdog.conf
+	systemctl daemon-reload
+}
+watchdog_as_shipped() {
+	rm -f /run/systemd/system/aebmcd@test.service.d/watchdog.conf
+	systemctl daemon-reload
+}
+
+# While it is stopped the ego speed jumps: what queued up must not be seen in any scene after it goes on.
+stopped_for_2_s_and_continued_trusts_nothing_old() {
+	local p seen=0 i speed
+	stop
+	watchdog 0
+	good recorder.before=1 recorder.after=3 || return 1
+	p=$(pid) || return 1
+	kill -STOP "$p"
+	traffic brake-end.log # 80 km/h, follow.log 100
+	sleep 2
+	traffic follow.log
+	sleep 0.2 # the queue is full by now: these are lost, or thrown away
+	kill -CONT "$p"
+	within 1 has_reason CLOCK_STEP && state_is INHIBIT || return 1
+	for i in 1 2 3 4 5 6 7 8 9 10 11 12; do
+		speed=$(field scene.ego_speed_mps) && seen=$((seen + 1)) && echo "$speed" &&
+			awk "BEGIN { exit !($speed < 24) }" && return 1
+		sleep 0.05
+	done
+	[ $seen -gt 5 ] && armed && is 'counters.evaluations > 0'
+}
+watchdog_restarts_a_stopped_daemon() {
+	local p
+	stop
+	watchdog_as_shipped
+	good || return 1
+	p=$(pid) && kill -STOP "$p" && within 5 another_pid "$p" && armed
+}
+killed_is_restarted() {
+	local p
+	good && p=$(pid) && kill -KILL "$p" && within 3 another_pid "$p" && armed
+}
+term_ends_within_200_ms_with_a_clean_last_frame() {
+	good || return 1
+	listen vcan0$OURS
+	sleep 0.2
+	at=$EPOCHREALTIME
+	kill "$(pid)"
+	within 2 sh -c '! systemctl is-active aebmcd@test' || return 1
+	running=
+	heard
+	tail -n 2 /tmp/words
+	grep AEB_REQUEST /tmp/words | tail -n 1 | grep -q 'state INHIBIT.*request none' &&
+		at_most 200 "$(first_after "$at" 'AEB_REQUEST: state INHIBIT')" "last frame after"
+}
+bad_configuration_is_78_and_no_loop() {
+	stop
+	configure
+	echo 'nonsense = 1' >>$CONF
+	systemctl start aebmcd@test
+	sleep 1
+	systemctl show -p ExecMainStatus -p NRestarts aebmcd@test | tee /dev/stderr | tr '\n' ' ' |
+		grep -qE 'ExecMainStatus=78 NRestarts=0|NRestarts=0 ExecMainStatus=78'
+}
+reload_takes_thresholds_and_refuses_the_rest() {
+	local since
+	good || return 1
+	since=$(now)
+	configure decision.p_warn=0.2
+	systemctl reload aebmcd@test
+	within 3 said "$since" RELOADED: || return 1
+	configure decision.p_warn=0.2 mc.samples=2048
+	systemctl reload aebmcd@test
+	within 3 said "$since" 'mc.samples.*takes a restart' || return 1
+	echo 'nonsense = 1' >>$CONF
+	systemctl reload aebmcd@test
+	within 3 said "$since" nonsense && state_is ARMED
+}
+clock_step_is_noticed() {
+	good && date -s @$((EPOCHSECONDS - 10)) >/dev/null && within 1 has_reason CLOCK_STEP && state_is INHIBIT && armed
+	local ok=$?
+	date -s @$((EPOCHSECONDS + 10)) >/dev/null
+	[ $ok = 0 ] && armed
+}
+journald_stopped_changes_nothing() {
+	local misses
+	good && misses=$(field counters.period_misses) || return 1
+	systemctl stop systemd-journald.socket systemd-journald-dev-log.socket systemd-journald
+	traffic_stop
+	within 2 state_is INHIBIT && good && is "counters.period_misses == $misses"
+	local ok=$?
+	systemctl start systemd-journald.socket systemd-journald
+	return $ok
+}
+client_that_never_reads_is_dropped() {
+	good || return 1
+	python3 - <<'P'
+import socket
+s = socket.socket(socket.AF_UNIX)
+s.connect("/run/aebmc/test/status.sock")
+s.settimeout(10)
+try:
+    for i in range(20000):
+        s.sendall(b"status\n")
+    raise SystemExit("never dropped")
+except (BrokenPipeError, ConnectionResetError):
+    pass
+P
+	[ $? = 0 ] && state_is ARMED
+}
+full_disk_is_said_and_survived() {
+	local since
+	stop
+	mkdir -p /tmp/small
+	mount -t tmpfs -o size=16k tmpfs /tmp/small
+	mkdir -p /var/lib/aebmc/test && mount --bind /tmp/small /var/lib/aebmc/test && chown aebmc /var/lib/aebmc/test
+	head -c 16000 /dev/zero >/tmp/small/full
+	since=$(now)
+	good recorder.after=1 && ask mark && within 5 said "$since" 'could not be written' && state_is ARMED
+	local ok=$?
+	stop
+	umount /var/lib/aebmc/test /tmp/small
+	return $ok
+}

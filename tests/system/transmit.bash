@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: MIT
+# System tests: bus.transmit = none, shadow and armed, each with the ways in which it ends.
+
+# hear_drive [COMMAND...]: the end of the bundled drive, in which a request is due; COMMAND runs as soon as it is
+hear_drive() {
+	traffic_stop
+	listen vcan0
+	chrt -f 40 canplayer -I $LOGS/brake-end.log vcan0=can0 >/dev/null &
+	local player=$!
+	within 15 is 'level == full' || { kill $player; heard; return 1; }
+	"${@:-true}"
+	wait $player
+	heard
+}
+asked() { grep -q 'request brake' /tmp/words; }
+
+none_is_silent() {
+	good bus.transmit=none || return 1
+	hear_drive
+	[ ! -s /tmp/words ] && is 'counters.sent == 0 and counters.full >= 1'
+}
+none_and_shadow_cannot_be_armed() {
+	good bus.transmit=none && ! ask arm 2>/tmp/why && grep -q 'bus.transmit is not armed' /tmp/why || return 1
+	good && ! ask arm 2>/tmp/why && grep -q 'bus.transmit is not armed' /tmp/why && is 'armed == false'
+}
+shadow_never_asks() {
+	good && hear_drive && grep -q 'stage full, request none' /tmp/words && ! asked
+}
+armed_asks_nothing_before_the_command() {
+	good bus.transmit=armed && hear_drive && grep -q 'stage full, request none' /tmp/words && ! asked
+}
+armed_asks_after_the_command() {
+	good bus.transmit=armed && ask arm && hear_drive && asked && is 'armed == true'
+}
+
+# Each of these begins with a request on the bus.
+requesting() {
+	good bus.transmit=armed && ask arm && hear_drive "$@"
+}
+# ended_within MS TIME: requests end by then, and none follows
+ended_within() {
+	asked || return 1
+	at_most "$1" "$(first_after "$2" 'AEB_REQUEST.*request none')" "no request after" || return 1
+	! awk -v t="$2" -v ms="$1" '($1 - t) * 1000 > ms && /request brake/ { found = 1 } END { exit !found }' /tmp/words
+}
+stamped() {
+	at=$EPOCHREALTIME
+	"$@"
+}
+disarm_ends_a_request() { requesting stamped ask disarm && ended_within 100 "$at" && is 'armed == false'; }
+term_ends_a_request_with_a_clean_last_frame() {
+	requesting stamped systemctl kill aebmcd@test || return 1
+	within 5 sh -c '! systemctl is-active aebmcd@test' || return 1
+	running=
+	tail -n 3 /tmp/words
+	grep AEB_REQUEST /tmp/words | tail -n 1 | grep -q 'state INHIBIT.*request none' &&
+		ended_within 200 "$at" && at_most 200 "$(awk -v t="$at" 'END { print ($1 - t) * 1000 }' /tmp/words)" "last frame after"
+}
+kill_ends_a_request_and_the_arming() {
+	requesting stamped systemctl kill -s KILL aebmcd@test
+	running=
+	asked || return 1
+	within 5 is 'armed == false' && awk -v t="$at" '$1 > t + 0.02 && /AEB_REQUEST/' /tmp/words | head -n 1 | grep 'state INIT' &&
+		! awk -v t="$at" '$1 > t + 0.02' /tmp/words | grep 'request brake'
+}
+restart_ends_the_arming() {
+	good bus.transmit=armed && ask arm && is 'armed == true' && systemctl restart aebmcd@test && is 'armed == false'
+}
+silence_ends_a_request() {
+	requesting traffic_ends || return 1
+	ended_within 80 "$(last_of 100)" && grep -q 'state INHIBIT.*request none' /tmp/words
+}
+# The player of hear_drive.
+traffic_ends() { pkill -KILL -x canplayer; }
+link_loss_ends_a_request() {
+	requesting lose_the_link || return 1
+	asked && awk -v t="$at" '$1 > t && /AEB_REQUEST/' /tmp/words | head -n 1 | grep 'state INHIBIT.*request none'
+}
+lose_the_link() {
+	traffic_ends
+	ip link set vcan0 down
+	sleep 0.3
+	stamped ip link set vcan0 up
+	sleep 1
+}
+driver_ends_a_request() {
+	good bus.transmit=armed && ask arm && gateway || return 1
+	listen vcan0
+	traffic_stop
+	chrt -f 40 canplayer -I $LOGS/brake-end.log vcan1=can0 >/dev/null &
+	local player=$!
+	within 15 is 'level == full' || { kill $player; heard; gateway_off; return 1; }
+	gateway_off
+	gateway 101 OR:D:101.8.000000FA00000000 resign # the accelerator at 100 %
+	at=$EPOCHREALTIME
+	wait $player
+	heard
+	gateway_off
+	ended_within 100 "$at" && is 'rejected.crc == 0'
+}

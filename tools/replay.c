@@ -3,11 +3,13 @@
  * everything, so that the same log, configuration and seed give the same output log, byte for byte.
  */
 #include <errno.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
+#include "compare.h"
 #include "csv.h"
 #include "engine.h"
 #include "replay.h"
@@ -16,7 +18,7 @@
 /* ---- arguments --------------------------------------------------------------------------------- */
 
 enum { BACKEND_AUTO, BACKEND_CPU }; /* of mc.backend in config.def */
-enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON, KEY_REQUESTS };
+enum { KEY_OUT = 0x100, KEY_CSV, KEY_JSON, KEY_REQUESTS, KEY_COMPARE, KEY_PICTURES, KEY_JOBS };
 
 static const struct argp_option options[] = {
 	{"out", KEY_OUT, "FILE", 0, "write our frames as a candump log, - for standard output", 1},
@@ -25,6 +27,11 @@ static const struct argp_option options[] = {
 	{"json", KEY_JSON, NULL, 0, "one JSON object on standard output", 1},
 	{"requests", KEY_REQUESTS, "FILE", 0,
 	 "no LOG: rerun the requests of an event and compare the results bit for bit", 1},
+	{"compare", KEY_COMPARE, "A.conf B.conf", 0,
+	 "every LOG under both: warnings and requests that B gains and loses", 2},
+	{"pictures", KEY_PICTURES, "DIR", 0,
+	 "with --compare: draw logs that differ, as DIR/LOG.svg", 2},
+	{"jobs", KEY_JOBS, "N", 0, "with --compare: replays at a time (one for each processor)", 2},
 	{0},
 };
 static const struct argp_child children[] = {{&setup_argp, 0, NULL, 0}, {0}};
@@ -34,8 +41,38 @@ static int is_stdout(const char *path)
 	return path && !strcmp(path, "-");
 }
 
-static error_t check(const struct argp_state *st, const struct replay_args *a)
+/* The first word after --compare A.conf is B.conf, the others are logs. */
+static error_t check_compare(const struct argp_state *st, struct replay_args *a)
 {
+	if (a->setup.path || a->out || a->csv || a->requests) {
+		return cli_bad(st, "--compare goes without --config, --out, --csv and --requests");
+	}
+	if (a->n_logs < 2) {
+		return cli_bad(st, "--compare A.conf B.conf LOG...: %s is missing",
+			       a->n_logs ? "LOG" : "B.conf");
+	}
+	a->compare[1] = *a->logs++;
+	a->n_logs--;
+	for (int i = 0; i < a->n_logs; i++) {
+		if (!strcmp(a->logs[i], "-")) {
+			return cli_bad(st, "--compare reads each log twice: no standard input");
+		}
+	}
+	return 0;
+}
+
+static error_t check(const struct argp_state *st, struct replay_args *a)
+{
+	if (a->compare[0]) {
+		return check_compare(st, a);
+	}
+	if (a->pictures || a->jobs) {
+		return cli_bad(st, "--pictures and --jobs go with --compare");
+	}
+	if (a->n_logs > 1) {
+		return cli_bad(st, "'%s': one LOG at a time", a->logs[1]);
+	}
+	a->log = a->n_logs ? a->logs[0] : NULL;
 	if (a->requests) {
 		return a->log || a->out || a->csv
 			       ? cli_bad(st, "--requests goes without LOG, --out and --csv")
@@ -76,11 +113,16 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case KEY_REQUESTS:
 		a->requests = arg;
 		return 0;
+	case KEY_COMPARE:
+		a->compare[0] = arg;
+		return 0;
+	case KEY_PICTURES:
+		a->pictures = arg;
+		return 0;
+	case KEY_JOBS:
+		return cli_count(st, "--jobs", arg, 1, 1024, &a->jobs);
 	case ARGP_KEY_ARG:
-		if (a->log) {
-			return cli_bad(st, "'%s': one LOG at a time", arg);
-		}
-		a->log = arg;
+		a->logs[a->n_logs++] = arg;
 		return 0;
 	case ARGP_KEY_END:
 		return check(st, a);
@@ -91,7 +133,7 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 
 static const struct argp argp = {options,
 				 parse,
-				 "LOG\n--requests FILE",
+				 "LOG\n--requests FILE\n--compare A.conf B.conf LOG...",
 				 "Replays a candump log through the daemon's pipeline and tells "
 				 "what it would have done and when.",
 				 children,
@@ -137,6 +179,9 @@ static void on_cycle(void *arg, const struct cycle *c, enum state state)
 	if (r->csv) {
 		csv_row(r->csv, c, state, r->bus.first_ns);
 	}
+	if (r->watch) {
+		r->watch->cycle(r->watch->arg, replay_time_s(r, c->scene.scan_ns), c);
+	}
 }
 
 static int open_pipeline(struct replay *r)
@@ -173,11 +218,14 @@ static int open_csv(struct replay *r)
 static int check_files(const struct replay *r)
 {
 	const struct replay_args *a = r->args;
+	const char *const in[] = {a->log, a->setup.path, r->cfg.dbc_file};
 
-	if (cli_same_file(a->log, STDIN_FILENO, a->out) ||
-	    cli_same_file(a->log, STDIN_FILENO, a->csv)) {
-		return cli_error(CLI_USAGE, r->name,
-				 "%s: is the input as well; write to another file", a->log);
+	for (size_t i = 0; i < sizeof(in) / sizeof(in[0]); i++) {
+		if (cli_same_file(in[i], STDIN_FILENO, a->out) ||
+		    cli_same_file(in[i], STDIN_FILENO, a->csv)) {
+			return cli_error(CLI_USAGE, r->name,
+					 "%s: is the input as well; write to another file", in[i]);
+		}
 	}
 	return cli_same_file(a->out, STDOUT_FILENO, a->csv)
 		       ? cli_error(CLI_USAGE, r->name, "%s: --out and --csv need a file each",
@@ -187,9 +235,9 @@ static int check_files(const struct replay *r)
 
 static int open_all(struct replay *r)
 {
-	int code = check_files(r);
+	int code = setup_load(r->name, &r->args->setup, &r->cfg, &r->map);
 
-	code = code ? code : setup_load(r->name, &r->args->setup, &r->cfg, &r->map);
+	code = code ? code : check_files(r);
 	code = code ? code : open_log(r);
 	code = code ? code : check_files(r); /* again, --out exists now */
 	code = code ? code : open_csv(r);
@@ -278,21 +326,60 @@ static int replay(struct replay *r)
 	return explain(r, error);
 }
 
-int cmd_replay(int argc, char **argv)
+static int watched(struct replay *r, struct replay_figures *f)
 {
-	struct replay_args a = {0};
-	struct replay r = {.name = argv[0], .args = &a};
-	int code = cli_parse(&argp, argc, argv, &a);
+	int code = explain(r, run(r));
 
-	if (code) {
-		return code;
-	}
-	if (a.requests) {
-		return requests_run(argv[0], &a);
-	}
-	code = open_all(&r);
+	*f = (struct replay_figures){
+		.evaluations = pipeline_stats(r->pipe)->evaluations,
+		.hash = config_hash(&r->cfg, r->map),
+		.log_s = replay_time_s(r, r->bus.last_ns),
+		.risk_max = pipeline_stats(r->pipe)->risk_max,
+	};
+	return code;
+}
+
+int replay_watched(const char *name, const struct replay_args *a, const struct replay_watch *watch,
+		   struct replay_figures *f)
+{
+	struct replay r = {.name = name, .args = a, .watch = watch, .state = STATE_INIT};
+	int code = open_all(&r);
+
+	code = code ? code : watched(&r, f);
+	close_all(&r);
+	return code;
+}
+
+static int replay_log(const char *name, const struct replay_args *a)
+{
+	struct replay r = {.name = name, .args = a};
+	int code = open_all(&r);
+
 	code = code ? code : replay(&r);
 	int closing = close_all(&r);
 
 	return code ? code : closing;
+}
+
+static int dispatch(const char *name, const struct replay_args *a)
+{
+	if (a->compare[0]) {
+		return compare_main(name, a);
+	}
+	return a->requests ? requests_run(name, a) : replay_log(name, a);
+}
+
+int cmd_replay(int argc, char **argv)
+{
+	const char **words = calloc((size_t)argc, sizeof(*words));
+	struct replay_args a = {.logs = words};
+
+	if (!words) {
+		return cli_error(CLI_FAILED, argv[0], "%s", strerror(ENOMEM));
+	}
+	int code = cli_parse(&argp, argc, argv, &a);
+
+	code = code ? code : dispatch(argv[0], &a);
+	free(words);
+	return code;
 }

@@ -15,9 +15,21 @@
 struct replay_args {
 	struct setup setup;
 	const char *log, *out, *csv;
-	const char *requests; /* NULL: a log */
+	const char *requests;   /* NULL: a log */
+	const char *compare[2]; /* two configurations, NULL: one replay */
+	const char **logs;      /* [n_logs], to compare */
+	int n_logs;
+	const char *pictures; /* folder, NULL: none */
+	int64_t jobs;         /* replays at a time, 0: one for each processor */
 	int64_t threads;      /* 0: the configuration's */
 	int json;
+};
+
+/* Who else wants to know what happens in a replay. Times are seconds from the log's first frame. */
+struct replay_watch {
+	void (*cycle)(void *arg, double time_s, const struct cycle *c);  /* after an evaluation */
+	void (*level)(void *arg, double time_s, enum stage_level level); /* another stage */
+	void *arg;
 };
 
 struct replay {
@@ -32,11 +44,25 @@ struct replay {
 	struct pipeline *pipe;
 	FILE *csv, *words; /* NULL: not wanted */
 	struct json json;
+	const struct replay_watch *watch; /* NULL: nobody */
 	enum stage_level level;
 	enum state state;
 	struct progress line;
 	int64_t wall_ns; /* time the run took */
 };
+
+struct replay_figures {
+	uint64_t evaluations, hash; /* of the configuration */
+	double log_s, risk_max;     /* 0: no hit in any evaluation */
+};
+
+/**
+ * replay_watched - one replay that prints nothing but its errors
+ * @a: a configuration and a log; what else a replay can write is not looked at
+ * Returns an exit code; @f is filled if it is 0.
+ */
+int replay_watched(const char *name, const struct replay_args *a, const struct replay_watch *watch,
+		   struct replay_figures *f);
 
 /** replay_time_s - a time of the log, from its first frame. */
 double replay_time_s(const struct replay *r, int64_t t_ns);

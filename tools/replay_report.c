@@ -71,6 +71,9 @@ void replay_change(void *arg, int64_t t_ns, const struct publish_in *now)
 	double time_s = replay_time_s(r, t_ns);
 
 	progress_clear(&r->line);
+	if (r->watch && now->dec.level != r->level) {
+		r->watch->level(r->watch->arg, time_s, now->dec.level);
+	}
 	if (r->args->json) {
 		json_event(&r->json, time_s, now);
 	}

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: MIT
+ * What came of a suite, for machines: one object or line for each run.
+ */
+#include <inttypes.h>
+#include <math.h>
+#include "json.h"
+#include "rules.h"
+#include "scenario_report.h"
+
+/* ---- CSV --------------------------------------------------------------------------------------- */
+
+static void field(FILE *out, double v)
+{
+	if (isfinite(v)) {
+		fprintf(out, ",%.9g", v);
+	} else {
+		fputc(',', out);
+	}
+}
+
+void scenario_csv(FILE *out, const struct scenario_plan *p, const struct scenario_result *r)
+{
+	fputs("row,car,contact,impact_mps,closest_m,warn_s,partial_s,full_s,warn,partial,full,"
+	      "onset_s,"
+	      "latest_s,peak_before_mps2,peak_after_mps2,passed\n",
+	      out);
+	for (int i = 0; i < p->rows * p->cars; i++) {
+		const struct scenario *s = &p->row[i / p->cars];
+
+		fprintf(out, "%s,%d,%d,%.9g", s->name, p->first_car + i % p->cars, r[i].contact,
+			r[i].impact_mps);
+		field(out, r[i].closest_m);
+		field(out, r[i].warn_s);
+		field(out, r[i].partial_s);
+		field(out, r[i].full_s);
+		fprintf(out, ",%u,%u,%u", r[i].warn, r[i].partial, r[i].full);
+		field(out, s->onset_s > 0 ? s->onset_s : NAN);
+		field(out, p->latest_s[i / p->cars]);
+		fprintf(out, ",%.9g,%.9g,%d\n", r[i].peak_before_mps2, r[i].peak_after_mps2,
+			scenario_passed(s, &r[i]));
+	}
+}
+
+/* ---- JSON --------------------------------------------------------------------------------------- */
+
+static const char *const goal_name[] = {
+	[GOAL_NO_CONTACT] = "no contact",
+	[GOAL_NO_REQUEST] = "no request",
+	[GOAL_STATED] = "stated",
+	[GOAL_UNKNOWABLE] = "unknowable",
+};
+
+static void json_run(struct json *j, const struct scenario_plan *p, int i,
+		     const struct scenario_result *r)
+{
+	const struct scenario *s = &p->row[i / p->cars];
+
+	json_open(j, NULL, '{');
+	json_str(j, "row", s->name);
+	json_uint(j, "car", (uint64_t)(p->first_car + i % p->cars));
+	json_bool(j, "contact", r->contact);
+	json_num(j, "impact_mps", r->impact_mps);
+	json_num(j, "closest_m", r->closest_m);
+	json_num(j, "warn_s", r->warn_s);
+	json_num(j, "partial_s", r->partial_s);
+	json_num(j, "full_s", r->full_s);
+	json_uint(j, "warn", r->warn);
+	json_uint(j, "partial", r->partial);
+	json_uint(j, "full", r->full);
+	json_num(j, "onset_s", s->onset_s > 0 ? s->onset_s : NAN);
+	json_num(j, "latest_s", p->latest_s[i / p->cars]);
+	json_num(j, "peak_before_mps2", r->peak_before_mps2);
+	json_num(j, "peak_after_mps2", r->peak_after_mps2);
+	json_str(j, "goal", goal_name[s->goal]);
+	json_bool(j, "passed", scenario_passed(s, r));
+	json_close(j, '}');
+}
+
+static void json_sum(struct json *j, const struct scenario_sum *s)
+{
+	json_open(j, "sum", '{');
+	json_uint(j, "runs", s->runs);
+	json_uint(j, "judged", s->judged);
+	json_uint(j, "failed", s->failed);
+	json_num(j, "failed_lo", s->lo);
+	json_num(j, "failed_hi", s->hi);
+	json_uint(j, "contacts", s->contacts);
+	json_uint(j, "requests", s->requests);
+	json_uint(j, "requests_unwarned", s->unwarned);
+	json_num(j, "warning_before_request_median_s", s->lead_s);
+	json_num(j, "warning_before_request_least_s", s->lead_least_s);
+	json_num(j, "added_deceleration_mps2", s->added_mps2);
+	json_close(j, '}');
+}
+
+void scenario_json(FILE *out, const struct scenario_plan *p, const struct scenario_result *r)
+{
+	const struct scenario_sum sum = scenario_sum_of(p, r);
+	struct json j = json_start(out);
+	char hash[20];
+
+	snprintf(hash, sizeof(hash), "%016" PRIx64, config_hash(p->cfg, p->map));
+	json_head(&j, "scenario");
+	json_str(&j, "suite", p->suite->name);
+	json_str(&j, "rule", p->rule ? p->rule->name : "aebmc");
+	json_open(&j, "runs", '[');
+	for (int i = 0; i < p->rows * p->cars; i++) {
+		json_run(&j, p, i, &r[i]);
+	}
+	json_close(&j, ']');
+	json_sum(&j, &sum);
+	json_str(&j, "config_hash", hash);
+	json_uint(&j, "samples", (uint64_t)p->cfg->mc_samples);
+	json_uint(&j, "seed", p->seed);
+	json_close(&j, '}');
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ * What came of a suite, in words, as JSON and as CSV.
+ */
+#ifndef AEBMC_SCENARIO_REPORT_H
+#define AEBMC_SCENARIO_REPORT_H
+
+#include "scenario_pool.h"
+
+/* One row over all its cars. Figures that no run has are NaN. */
+struct scenario_row {
+	int runs, contacts, requests, warned, failed;
+	double impact_mps;                     /* largest */
+	double closest_m;                      /* smallest */
+	double warn_s, request_s, request99_s; /* median and 99 % of the times, from the onset */
+	double spare_s;                        /* least left of latest_s when the request came */
+	double before_mps2, after_mps2;        /* largest decelerations */
+};
+
+/* All rows together. */
+struct scenario_sum {
+	uint64_t runs;
+	uint64_t judged, failed; /* runs whose goal is one, and that missed it */
+	uint64_t contacts, requests;
+	double lo, hi;               /* 95 % of failed / judged */
+	uint64_t unwarned;           /* requests without a warning before them */
+	double lead_s, lead_least_s; /* warning before request: median, smallest */
+	double added_mps2; /* largest deceleration that a request added where none was wanted */
+};
+
+/** scenario_row_of - @r: the results of one row. Pure. */
+struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
+				    const struct scenario_result *r);
+
+/** scenario_sum_of - over [rows][cars]. Allocates and frees; without memory the median is NaN. */
+struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct scenario_result *r);
+
+/** scenario_words, scenario_csv, scenario_json - the report. Write errors stay in ferror(). */
+void scenario_words(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);
+void scenario_csv(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);
+void scenario_json(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);
+
+#endif

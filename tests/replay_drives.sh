@@ -34,7 +34,7 @@ for config in $generic $toyota; do
 	done
 	json "stopped-$car: nothing was rejected" "$tmp/stopped-$car.json" 'not any(j["rejected"].values())'
 	json "stopped-$car: every scan was evaluated" "$tmp/stopped-$car.json" 'j["evaluations"] > 0.95 * j["log_s"] * 20'
-	# With quiet sensors what is left of a drop is the sampling: the later interval must not lie below the earlier one.
+	# At the end the lead is hit if it is there. With quiet sensors what is left of a drop is the sampling: the later interval must not lie below the earlier one.
 	for drive in brake stopped; do
 		name=quiet-$drive-$car
 		"$AEBMC" generate --config "$config" --set radar.range_sigma=0.01 --set radar.rate_sigma=0.01 \
@@ -42,7 +42,8 @@ for config in $generic $toyota; do
 		ok "replay $name" replay "$name" "$config"
 		ok "$name: the risk of braking now, later or by the driver only rises" python3 -c 'import csv, sys
 rows = [r for r in csv.DictReader(open(sys.argv[1])) if r["p_defer"]]
-assert len(rows) > 100 and float(rows[-1]["p_defer"]) == 1
+last = rows[-1]
+assert len(rows) > 100 and abs(float(last["p_defer"]) - float(last["p_lead"])) < 1e-4 < float(last["p_lead"]) - 0.98
 for p in ("p_now", "p_defer", "p_driver"):
     drops = [b["time_s"] for a, b in zip(rows, rows[1:]) if float(b[p + "_hi"]) < float(a[p + "_lo"])]
     assert not drops, (p, drops)' "$tmp/$name.csv"

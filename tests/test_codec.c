@@ -195,6 +195,9 @@ static void physical_limits(void **state)
 	assert_int_equal(codec_set_phys(&u64, data, 0x1p64), -ERANGE);
 	assert_int_equal(codec_set_phys(&u64, data, nextafter(0x1p64, 0)), 0);
 	assert_true(codec_raw(&u64, data) == 0xFFFFFFFFFFFFF800);
+	const struct dbc_signal i8 = {.scale = 1, .len = 8, .is_signed = 1};
+	assert_int_equal(codec_set_phys(&i8, data, -128), 0);
+	assert_int_equal(codec_set_phys(&i8, data, -129), -ERANGE);
 	assert_int_equal(codec_set_phys(&i64, data, 0x1p63), -ERANGE);
 	assert_int_equal(codec_set_phys(&i64, data, -0x1p63), 0);
 	assert_true(codec_int(&i64, codec_raw(&i64, data)) == INT64_MIN);
@@ -211,6 +214,10 @@ static void range_of_the_file(void **state)
 	assert_false(codec_in_range(&s, 255));
 	assert_int_equal(codec_set_phys(&s, data, -12.7), 0);
 	assert_int_equal(codec_set_phys(&s, data, -12.75), -ERANGE);
+	const struct dbc_signal half = {.scale = 2, .offset = -1, .min = 0, .max = 253, .len = 8};
+	assert_true(codec_in_range(&half, 0)); /* just half a step outside */
+	assert_true(codec_in_range(&half, 127));
+	assert_false(codec_in_range(&half, 128));
 	const struct dbc_signal none = {.scale = 1, .len = 8};
 	assert_true(codec_in_range(&none, 255));
 	const struct dbc_signal all = {

@@ -321,6 +321,28 @@ static void nearest_names(void **state)
 	assert_string_equal(dbc_nearest(dbc, dbc_find(dbc, "EXT"), "tow"), "TWO");
 	assert_string_equal(dbc_nearest(dbc, dbc_find(dbc, "EMPTY"), "tow"), "");
 	dbc_free(dbc);
+	dbc = parse("BO_ 1 AB: 8 X\nBO_ 2 AC: 8 X\n");
+	assert_string_equal(dbc_nearest(dbc, NULL, "AD"), "AB"); /* the first of equals */
+	dbc_free(dbc);
+}
+
+/* FNV-1a over what the header lists, computed by another program. */
+static void hash_has_a_known_answer(void **state)
+{
+	(void)state;
+	struct dbc *dbc =
+		parse("BO_ 1 M: 8 X\n SG_ A : 0|8@1+ (0.5,-3) [1|9] \"m\" X\n"
+		      " SG_ B : 15|8@0- (1,0) [0|0] \"s\" X\nBO_ 2 N: 4 X\n"
+		      "BA_ \"GenMsgCycleTime\" BO_ 1 20;\nVAL_ 1 A 1 \"a\" 2 \"b\" ;\n"
+		      "BA_ \"E2EDataIDList\" BO_ 1 \"1 2 3 4 5 6 7 8 9 a b c d e f 10\";\n");
+	uint64_t raw;
+	const struct dbc_signal *a = dbc_find_signal(dbc_find(dbc, "M"), "A");
+	assert_true(dbc_hash(dbc) == 0xed77f33d9990248);
+	assert_string_equal(dbc_value_text(a, 2), "b");
+	assert_null(dbc_value_text(a, 3));
+	assert_int_equal(dbc_value_raw(a, "a", &raw), 0);
+	assert_int_equal(raw, 1);
+	dbc_free(dbc);
 }
 
 /* Every field that a reader of a frame relies on changes the hash. */
@@ -374,7 +396,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test(messages_as_written),    cmocka_unit_test(signals_as_written),
 		cmocka_unit_test(values_as_written),      cmocka_unit_test(shipped_files_load),
 		cmocka_unit_test(recorded_frames_decode), cmocka_unit_test(distances),
-		cmocka_unit_test(nearest_names),          cmocka_unit_test(hash_sees_content),
+		cmocka_unit_test(nearest_names),          cmocka_unit_test(hash_has_a_known_answer),
+		cmocka_unit_test(hash_sees_content),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

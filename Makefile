@@ -233,7 +233,7 @@ check-system: deps-system all $(SYSTEM_TOOLS)
 # Debian packages by apt; PyPI only for test oracles. As root they are installed, otherwise named.
 DEPS_BUILD  := gcc libc6-dev make
 DEPS_CHECK  := $(DEPS_BUILD) clang clang-format gcovr python3 python3-venv python3-mpmath libcmocka-dev xz-utils shellcheck \
-	       systemd scdoc libsystemd-dev libsocketcan-dev liblttng-ust-dev lttng-tools libbabeltrace2-dev
+	       systemd scdoc libsystemd-dev libsocketcan-dev librsvg2-bin liblttng-ust-dev lttng-tools libbabeltrace2-dev
 ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev liblttng-ust-dev libbabeltrace2-dev
 DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)
 DEPS_SYSTEM := $(DEPS_CHECK) mmdebstrap qemu-system-x86 qemu-utils busybox-static e2fsprogs kmod cpio
@@ -259,8 +259,12 @@ deps-system: deps-check
 demo: deps-build all
 	$(Q)mkdir -p $(O)/demo
 	$(Q)$(O)/aebmc generate --drive brake --out $(O)/demo/brake.log
-	$(Q)$(O)/aebmc replay --config can-dbc/vehicles/generic.conf --out $(O)/demo/out.log $(O)/demo/brake.log
+	$(Q)$(O)/aebmc replay --config can-dbc/vehicles/generic.conf --out $(O)/demo/out.log --csv $(O)/demo/out.csv \
+		$(O)/demo/brake.log
+	$(Q)$(O)/aebmc plot $(O)/demo/out.csv --from 17 --title 'The lead brakes, the driver does nothing' \
+		--out $(O)/demo/timeline.svg
 	@echo
+	@echo 'The last seconds as a picture, for any browser: $(O)/demo/timeline.svg'
 	@echo 'The drive as CAN frames: $(O)/demo/brake.log; what the daemon would send: $(O)/demo/out.log. In words:'
 	@echo '  $(O)/aebmc decode --config can-dbc/vehicles/generic.conf $(O)/demo/out.log | less'
 	@echo 'Other drives: $(O)/aebmc generate --list. Your own log: README.md, "Your own log".'
@@ -275,6 +279,11 @@ $(O)/gen/build.h: FORCE
 	$(Q)mkdir -p $(@D) && printf '#define BUILD_%s "%s"\n' COMMIT '$(GIT_COMMIT)' COMPILER '$(CC_NAME)' \
 		CUDA '$(CUDA_NAME)' >$@.new && { cmp -s $@.new $@ && rm $@.new || mv $@.new $@; }
 $(O)/daemon/build_info.o: $(O)/gen/build.h
+
+# ---- what was measured on a GPU, for aebmc paper -----------------------------------------------------
+$(O)/gen/record.def: tests/gpu/record-h200.txt tools/record-def
+	$(Q)mkdir -p $(@D) && tools/record-def $< >$@.new && mv $@.new $@
+$(O)/tools/record.o: $(O)/gen/record.def
 
 # ---- manual ------------------------------------------------------------------------------------------
 # scdoc files beside the programs; OPTIONS of aebmcd.conf(5) is what the daemon itself prints. Without scdoc, or where

@@ -44,10 +44,11 @@ struct figure_bench {
 	double scalar_ns; /* the f64 reference on one core, for each sample; timed on few and scaled */
 	const char *here; /* a second processor in words; NULL: none */
 	struct figure_series here_cpu;
+	double here_scalar_ns;
 	int prints; /* with the figures that Sec. VI prints */
 };
 void figure_time(FILE *out, const void *bench);
-void figure_speedup(FILE *out, const void *bench); /* over scalar_ns */
+void figure_speedup(FILE *out, const void *bench); /* over scalar_ns, each on its machine */
 
 /* A figure that the paper prints. */
 struct figure_point {

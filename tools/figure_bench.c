@@ -8,7 +8,8 @@
 #define HEIGHT_PX 460
 #define LINES_MAX 6
 #define KERNELS   2
-#define BAR       0.38 /* of the distance between two budgets */
+#define BAR       0.32 /* of the distance between two budgets */
+#define BETWEEN   0.14 /* the two bars of a budget: room for what the paper prints */
 
 /* ---- lines against N --------------------------------------------------------------------------- */
 
@@ -23,7 +24,8 @@ struct line {
 
 struct level {
 	double y;
-	const char *text;
+	const char *text; /* at the right end, or from @x on */
+	double x;
 };
 
 struct picture {
@@ -69,7 +71,7 @@ static void draw_points(struct svg *s, const struct figure_point *p, int n)
 {
 	for (int i = 0; i < n; i++) {
 		svg_dots(s, SVG_PURPLE, &p[i].x, &p[i].y, 1);
-		svg_words(s, p[i].x, p[i].y, 15, 'm', p[i].text);
+		svg_words(s, p[i].x, p[i].y, i % 2 ? -7 : 16, 'm', p[i].text); /* below, above */
 	}
 }
 
@@ -108,7 +110,12 @@ static void draw_picture(FILE *out, const struct picture *f)
 	svg_panel(&s, &panel);
 	draw_area(&s, f);
 	for (int i = 0; i < f->levels; i++) {
-		svg_level(&s, SVG_GREY, f->level[i].y, f->level[i].text);
+		const struct level *l = &f->level[i];
+
+		svg_level(&s, SVG_GREY, l->y, l->x > 0 ? NULL : l->text);
+		if (l->x > 0) {
+			svg_words(&s, l->x, l->y, -4, 's', l->text);
+		}
 	}
 	draw_lines(&s, f);
 	draw_points(&s, f->point, f->points);
@@ -146,18 +153,18 @@ static void add_lines(struct picture *f, const struct figure_bench *b, enum what
 			 NULL,
 			 {0}},
 		fast = {"the fast rollout on the GPU", SVG_BLUE, SVG_SOLID, 0, NULL, {0}},
-		cpu = {"the fast rollout on one CPU thread", SVG_GREEN, SVG_SOLID, 0, NULL, {0}};
+		cpu = {"the fast rollout on one core", SVG_GREEN, SVG_SOLID, 0, NULL, {0}};
 	const struct line here = {b->here, SVG_AMBER, SVG_SOLID, 0, NULL, {0}};
 
 	add_line(f, &paper, &b->paper, what, b->scalar_ns);
-	add_line(f, &here, &b->here_cpu, what, b->scalar_ns);
+	add_line(f, &here, &b->here_cpu, what, b->here_scalar_ns);
 	add_line(f, &cpu, &b->cpu, what, b->scalar_ns);
 	add_line(f, &fast, &b->fast, what, b->scalar_ns);
 }
 
 void figure_time(FILE *out, const void *bench)
 {
-	static const struct level level[] = {{530, "530 ms, 400 to 800"}};
+	static const struct level level[] = {{530, "530 ms (400 to 800)", 2e5}};
 	static const struct figure_point point[] = {{8000, 530, "Orin Nano"},
 						    {25000, 530, "AGX Orin"}};
 	static const struct line scalar = {
@@ -185,10 +192,10 @@ void figure_time(FILE *out, const void *bench)
 
 void figure_speedup(FILE *out, const void *bench)
 {
-	static const struct level level[] = {{13.33, "Orin Nano 13.3 (the paper)"},
-					     {29.79, NULL},
-					     {31.20, "GTX 1650 29.8, AGX Orin 31.2"},
-					     {54.57, "RTX 5070 54.6"}};
+	static const struct level level[] = {{13.33, "Orin Nano 13.3 (the paper)", 0},
+					     {29.79, NULL, 0},
+					     {31.20, "GTX 1650 29.8, AGX Orin 31.2", 0},
+					     {54.57, "RTX 5070 54.6", 0}};
 	const struct figure_bench *b = bench;
 	struct picture f = {.text = &b->text,
 			    .y_label = "times faster than the f64 reference on one core",
@@ -222,7 +229,7 @@ static void count_text(double n, char *text, size_t size)
 static void draw_kernel(struct svg *s, const struct figure_budget *b, int k)
 {
 	for (int i = 0; i < FIGURE_BUDGETS; i++) {
-		const double x = i + (k - (KERNELS - 1) / 2.0) * (BAR + 0.02);
+		const double x = i + (k - (KERNELS - 1) / 2.0) * (BAR + BETWEEN);
 		const double n = b->kernel[k].samples[i];
 		char words[32];
 
@@ -241,8 +248,8 @@ void figure_budget(FILE *out, const void *budget)
 				      .subtitle = b->text.subtitle,
 				      .note = b->text.note};
 	const struct svg_key key[] = {
-		{b->kernel[0].colour, SVG_KEY_AREA, b->kernel[0].name},
-		{b->kernel[1].colour, SVG_KEY_AREA, b->kernel[1].name},
+		{b->kernel[0].colour, SVG_KEY_BAR, b->kernel[0].name},
+		{b->kernel[1].colour, SVG_KEY_BAR, b->kernel[1].name},
 		{SVG_PURPLE, SVG_KEY_DOT, "as the paper prints it"},
 	};
 	struct svg_panel panel = {

@@ -94,8 +94,13 @@ void figure_distribution(FILE *out, const void *distribution)
 		      .min = d->first_m,
 		      .max = d->first_m + (double)d->n},
 		.y = {.label = "share of the samples in each metre [%]", .unit = PERCENT}};
-	char words[48];
+	char words[80];
+	const struct svg_key key = {SVG_RED, SVG_KEY_DASHED, words};
 
+	snprintf(words, sizeof(words),
+		 "mean %.2f m and one standard deviation, %.2f m, either side", d->mean_m, d->sd_m);
+	panel.key = &key;
+	panel.keys = 1;
 	svg_cover(d->share, d->n, &panel.y.min, &panel.y.max);
 	svg_round_out(&panel.x);
 	svg_round_out(&panel.y);
@@ -103,10 +108,8 @@ void figure_distribution(FILE *out, const void *distribution)
 
 	svg_panel(&s, &panel);
 	draw_bars(&s, d);
-	svg_mark(&s, SVG_RED, d->mean_m - d->sd_m, NULL);
-	snprintf(words, sizeof(words), "mean %.2f m", d->mean_m);
-	svg_mark(&s, SVG_RED, d->mean_m, words);
-	snprintf(words, sizeof(words), "\302\261 %.2f m", d->sd_m);
-	svg_mark(&s, SVG_RED, d->mean_m + d->sd_m, words);
+	for (int i = -1; i <= 1; i++) {
+		svg_mark(&s, SVG_RED, d->mean_m + i * d->sd_m, NULL);
+	}
 	svg_end(&s);
 }

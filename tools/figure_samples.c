@@ -46,6 +46,7 @@ static void draw_half(struct svg *s, const struct figure_converge *c, const stru
 	svg_panel(s, &panel);
 	svg_band(s, SVG_BLUE, c->samples, lo, hi, n);
 	svg_line(s, SVG_BLUE, SVG_SOLID, c->samples, h->ours, c->n);
+	svg_dots(s, SVG_BLUE, c->samples, h->ours, c->n);
 	svg_dots(s, SVG_PURPLE, c->samples, h->paper, c->n);
 	free(lo);
 }

@@ -48,7 +48,7 @@ struct svg_page {
 /* One entry of a legend. */
 struct svg_key {
 	enum svg_colour colour;
-	enum { SVG_KEY_LINE, SVG_KEY_DASHED, SVG_KEY_DOT, SVG_KEY_AREA } mark;
+	enum { SVG_KEY_LINE, SVG_KEY_DASHED, SVG_KEY_DOT, SVG_KEY_AREA, SVG_KEY_BAR } mark;
 	const char *text;
 };
 

@@ -134,6 +134,12 @@ static void power_text(int exponent, char *text)
 		 e > 9 ? digit[e / 10 % 10] : "", digit[e % 10]);
 }
 
+/* Only powers of ten have numbers. */
+static int is_wide(const struct svg_axis *a)
+{
+	return a->max / a->min > 1e3;
+}
+
 void svg_tick_text(const struct svg_axis *a, double v, double step, char text[SVG_TICK_MAX])
 {
 	const double u = v / (a->unit > 0 ? a->unit : 1);
@@ -141,7 +147,7 @@ void svg_tick_text(const struct svg_axis *a, double v, double step, char text[SV
 	if (a->scale == SVG_LOG) {
 		const double e = log10(u);
 
-		if (fabs(e - round(e)) < 1e-9 && (e < -4.5 || e > 3.5)) {
+		if (fabs(e - round(e)) < 1e-9 && (e < -4.5 || e > 3.5) && is_wide(a)) {
 			power_text((int)round(e), text);
 		} else {
 			snprintf(text, SVG_TICK_MAX, "%g", u);

@@ -204,9 +204,10 @@ static void key_mark(const struct svg *s, const struct svg_key *k, double x_px, 
 			y_px);
 		return;
 	case SVG_KEY_AREA:
+	case SVG_KEY_BAR:
 		fprintf(s->out,
-			"<rect class=\"c%u b\" x=\"%.1f\" y=\"%.1f\" width=\"16\" height=\"9\"/>",
-			k->colour, x_px, y_px - 4.5);
+			"<rect class=\"c%u %s\" x=\"%.1f\" y=\"%.1f\" width=\"16\" height=\"9\"/>",
+			k->colour, k->mark == SVG_KEY_BAR ? "f" : "b", x_px, y_px - 4.5);
 		return;
 	default:
 		fprintf(s->out, "<path class=\"c%u l%s\" d=\"M%.1f %.1fh16\"/>", k->colour,

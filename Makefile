@@ -161,7 +161,7 @@ FORCE:
 # A test is a program that speaks TAP: cmocka programs tests/test_*.c and scripts tests/*.sh.
 # RUN_FLAGS=--strict fails on a skip that this machine could run (CI).
 RUN_FLAGS  ?=
-SCRIPTS    := $(sort $(filter-out tests/tap.sh,$(wildcard tests/*.sh)))
+SCRIPTS    := $(sort $(filter-out tests/tap.sh tests/deb.sh,$(wildcard tests/*.sh)))
 $(O)/tests/%: $(O)/tests/%.o $(LIBD) $(LIBMC)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ -lcmocka $(LDLIBS)
@@ -237,8 +237,9 @@ DEPS_CHECK  := $(DEPS_BUILD) clang clang-format gcovr python3 python3-venv pytho
 ARM64_LIBS  := libcmocka-dev libsystemd-dev libsocketcan-dev liblttng-ust-dev libbabeltrace2-dev
 DEPS_ARM64  := $(DEPS_CHECK) gcc-aarch64-linux-gnu g++-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user-static $(ARM64_LIBS:%=%:arm64)
 DEPS_SYSTEM := $(DEPS_CHECK) mmdebstrap qemu-system-x86 qemu-utils busybox-static e2fsprogs kmod cpio
+DEPS_DEB    := $(DEPS_CHECK) debhelper dpkg-dev fakeroot lintian xz-utils
 VENV       := build/venv
-.PHONY: deps deps-build deps-check deps-arm64 deps-system
+.PHONY: deps deps-build deps-check deps-arm64 deps-system deps-deb
 deps: deps-check
 deps-build:
 	$(Q)tools/deps $(DEPS_BUILD)
@@ -252,6 +253,8 @@ deps-check:
 	echo 'the CUDA 12.6 runtime could not be installed from PyPI: its test will be skipped'
 deps-arm64: deps-check
 	$(Q)tools/deps $(DEPS_ARM64)
+deps-deb: deps-check
+	$(Q)tools/deps $(DEPS_DEB)
 deps-system: deps-check
 	$(Q)tools/deps $(DEPS_SYSTEM)
 
@@ -346,6 +349,14 @@ dist:
 	$(Q)git archive --format=tar.gz --prefix=$(DIST)/ --add-file=$(O)/dist/.commit \
 		--add-file=$(O)/dist/packages.txt -o $(O)/$(DIST).tar.gz HEAD
 	$(call say,DIST,$(O)/$(DIST).tar.gz)
+
+# A Debian package of what is committed, in $(O)/deb; its files lie in systemd/debian. WITH_CUDA as above.
+.PHONY: deb check-deb
+deb: deps-deb dist
+	$(Q)WITH_CUDA=$(WITH_CUDA) tools/deb $(O)/$(DIST).tar.gz $(VERSION) $(O)/deb
+	$(call say,DEB,$(O)/deb)
+check-deb: deps-deb
+	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log tests/deb.sh
 
 format:
 	$(Q)clang-format -i $$(find kernels can-dbc daemon tools tests -name '*.[ch]' -o -name '*.cu')

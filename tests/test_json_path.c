@@ -115,12 +115,58 @@ static void test_cut_to_size(void **state)
 	assert_string_equal(value, "ca");
 }
 
+/* The last key may have dots, as in the levels of a curve. */
+static void test_dotted_key(void **state)
+{
+	static const char levels[] = "{\"at\":{\"0.05\":100,\"0\":{\"1\":7}}}";
+	char value[8];
+
+	(void)state;
+	assert_int_equal(json_path_text(levels, "at.0.05", value, sizeof(value)), 0);
+	assert_string_equal(value, "100");
+	assert_int_equal(json_path_text(levels, "at.0.1", value, sizeof(value)), 0);
+	assert_string_equal(value, "7");
+	assert_int_equal(json_path_text(levels, "at.0.2", value, sizeof(value)), -ENOENT);
+}
+
+static void test_members(void **state)
+{
+	const char *m = json_path_first(json_path(doc, "f"));
+	char value[8];
+
+	(void)state;
+	assert_int_equal(json_path_text(m, "n", value, sizeof(value)), 0);
+	assert_string_equal(value, "can0");
+	m = json_path_next(m);
+	assert_int_equal(json_path_text(m, "n", value, sizeof(value)), 0);
+	assert_string_equal(value, "can1");
+	assert_null(json_path_next(m));
+	assert_null(json_path_first(json_path(doc, "e")));
+	assert_null(json_path_first(json_path(doc, "b")));
+}
+
+static void test_whole(void **state)
+{
+	char cut[sizeof(doc)];
+
+	(void)state;
+	assert_true(json_path_whole(doc));
+	for (size_t n = 0; n < strlen(doc) - 1; n++) { /* all but the blank at its end */
+		memcpy(cut, doc, n);
+		cut[n] = '\0';
+		assert_false(json_path_whole(cut));
+	}
+	assert_false(json_path_whole("{} {}"));
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(test_found),    cmocka_unit_test(test_not_there),
-		cmocka_unit_test(test_no_json),  cmocka_unit_test(test_cut_anywhere),
-		cmocka_unit_test(test_too_deep), cmocka_unit_test(test_cut_to_size),
+		cmocka_unit_test(test_found),      cmocka_unit_test(test_not_there),
+		cmocka_unit_test(test_no_json),    cmocka_unit_test(test_cut_anywhere),
+		cmocka_unit_test(test_too_deep),   cmocka_unit_test(test_cut_to_size),
+		cmocka_unit_test(test_dotted_key), cmocka_unit_test(test_members),
+		cmocka_unit_test(test_whole),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -175,8 +175,8 @@ void svg_panel(struct svg *s, const struct svg_panel *p)
 	const double all_px = share / s->page.shares * usable_px(&s->page);
 
 	end_panel(s);
-	s->x = p->x;
-	s->y = p->y;
+	s->x = svg_axis_sane(&p->x);
+	s->y = svg_axis_sane(&p->y);
 	s->x_px = s->page.left_px;
 	s->y_px = s->top_px + HEAD_PX;
 	s->w_px = s->page.width_px - s->page.left_px - RIGHT_PX;

@@ -14,13 +14,18 @@ static double round_step(double least)
 	return decade * (m <= 1.0000001 ? 1 : m <= 2.0000001 ? 2 : m <= 5.0000001 ? 5 : 10);
 }
 
+static double decades(const struct svg_axis *a)
+{
+	return log10(a->max) - log10(a->min);
+}
+
 /* ---- scales ------------------------------------------------------------------------------------ */
 
 double svg_axis_part(const struct svg_axis *a, double v)
 {
 	switch (a->scale) {
 	case SVG_LOG:
-		return isnan(v) ? NAN : v > 0 ? log(v / a->min) / log(a->max / a->min) : -1;
+		return isnan(v) ? NAN : v > 0 ? log10(v / a->min) / decades(a) : -1;
 	case SVG_NAMES:
 		return (v + 0.5) / a->n;
 	default:
@@ -58,7 +63,10 @@ void svg_cover(const double *v, size_t n, double *min, double *max)
 
 void svg_round_out(struct svg_axis *a)
 {
-	if (!(a->min <= a->max)) {
+	if (a->scale == SVG_LOG && a->min <= 0 && a->max > 0) {
+		a->min = a->max * 1e-6; /* no logarithm of what is there */
+	}
+	if (!(a->min <= a->max) || (a->scale == SVG_LOG && a->max <= 0)) {
 		a->min = a->scale == SVG_LOG ? 0.1 : 0;
 		a->max = 1;
 	}
@@ -77,6 +85,18 @@ void svg_round_out(struct svg_axis *a)
 	a->max = ceil(a->max / step - 1e-9) * step;
 }
 
+struct svg_axis svg_axis_sane(const struct svg_axis *a)
+{
+	struct svg_axis sane = *a;
+
+	if (a->scale != SVG_NAMES && !(isfinite(a->min) && isfinite(a->max) && a->min < a->max &&
+				       (a->scale == SVG_LINEAR || a->min > 0))) {
+		sane.min = a->scale == SVG_LOG ? 0.1 : 0;
+		sane.max = 1;
+	}
+	return sane;
+}
+
 /* ---- ticks ------------------------------------------------------------------------------------- */
 
 static int linear_ticks(const struct svg_axis *a, double most, double at[SVG_TICKS])
@@ -85,7 +105,8 @@ static int linear_ticks(const struct svg_axis *a, double most, double at[SVG_TIC
 	const double step = unit * round_step((a->max - a->min) / unit / fmin(most, SVG_TICKS - 2));
 	int n = 0;
 
-	for (double i = ceil(a->min / step - 1e-6); i * step <= a->max + 1e-6 * step; i++) {
+	for (double i = ceil(a->min / step - 1e-6);
+	     i * step <= a->max + 1e-6 * step && n < SVG_TICKS; i++) {
 		at[n++] = i * step;
 	}
 	return n;
@@ -95,14 +116,13 @@ static int linear_ticks(const struct svg_axis *a, double most, double at[SVG_TIC
 static int log_ticks(const struct svg_axis *a, double most, double at[SVG_TICKS])
 {
 	static const double thirds[] = {1, 2, 5};
-	const double decades = log10(a->max / a->min);
-	const int per = 3 * decades + 1 < fmin(most, 8) ? 3 : 1;
-	const int every = (int)ceil((decades + 1) / fmin(most, SVG_TICKS - 2) - 1e-9);
+	const int per = 3 * decades(a) + 1 < fmin(most, 8) ? 3 : 1;
+	const int every = (int)ceil((decades(a) + 1) / fmin(most, SVG_TICKS - 2) - 1e-9);
 	const int first = (int)floor(log10(a->min) + 1e-9);
 	int n = 0;
 
 	for (int e = first; e <= log10(a->max) + 1e-9; e += every > 1 ? every : 1) {
-		for (int i = 0; i < per; i++) {
+		for (int i = 0; i < per && n < SVG_TICKS; i++) {
 			at[n] = thirds[i] * pow(10, e);
 			n += at[n] >= a->min * (1 - 1e-9) && at[n] <= a->max * (1 + 1e-9);
 		}
@@ -137,7 +157,7 @@ static void power_text(int exponent, char *text)
 /* Only powers of ten have numbers. */
 static int is_wide(const struct svg_axis *a)
 {
-	return a->max / a->min > 1e3;
+	return decades(a) > 3;
 }
 
 void svg_tick_text(const struct svg_axis *a, double v, double step, char text[SVG_TICK_MAX])

@@ -149,7 +149,7 @@ void svg_span(struct svg *s, enum svg_colour c, int lane, double x0, double x1, 
 	const double from_px = fmax(svg_at_x(s, x0), 0), to_px = fmin(svg_at_x(s, x1), s->w_px);
 	const double y_px = svg_at_y(s, lane), high_px = s->h_px / s->y.n * 0.76;
 
-	if (!(to_px >= from_px)) {
+	if (!isfinite(x0) || !isfinite(x1) || to_px < from_px) {
 		return;
 	}
 	fprintf(s->out,

@@ -22,6 +22,9 @@ void svg_tick_text(const struct svg_axis *a, double v, double step, char text[SV
 /** svg_axis_part - 0 at the axis's beginning, 1 at its end; below 0 for what a logarithm does not have. */
 double svg_axis_part(const struct svg_axis *a, double v);
 
+/** svg_axis_sane - the axis, or 0..1 (0.1..1 if logarithmic) where its ends can be none. */
+struct svg_axis svg_axis_sane(const struct svg_axis *a);
+
 /** svg_draw_axes - frame, grid, numbers, names and labels of the current panel. */
 void svg_draw_axes(const struct svg *s);
 

@@ -114,7 +114,8 @@ ok "and still is" cmp "$tmp/y.log" "$drive"
 ok "nowhere may be given twice" "$AEBMC" replay --config $car --csv /dev/null --out /dev/null "$drive"
 
 # nowhere to write
-for sub in "curve --samples 1000" "curve --samples 1000 --json" "curve --samples 1000 --csv -" "converge" \
+for sub in "inputs --config $car $drive" "inputs --config $car --json $drive" "map can-dbc/vehicles/generic.dbc $drive" \
+	"map can-dbc/vehicles/generic.dbc --out -" "curve --samples 1000" "curve --samples 1000 --json" "curve --samples 1000 --csv -" "converge" \
 	"verify --samples 100 --resident 64" "bench --rounds 1" "decode $ours" "decode --json $ours" "help" "help curve" "--version" \
 	"replay --config $car $drive" "replay --config $car --json $drive" "replay --config $car --csv - $drive" \
 	"replay --config $car --out - $drive"; do
@@ -190,4 +191,5 @@ idle() {
 }
 idle "$AEBMC" replay --config $car -
 idle "$AEBMC" decode -
+idle "$AEBMC" inputs --config $car -
 done_testing

@@ -109,10 +109,9 @@ struct inputs {
 	struct stretch_list stretches;
 	uint64_t targets; /* distances of targets */
 	uint64_t full, beyond,
-		behind; /* of these: at full scale; beyond radar.range_max; below 0 */
-	uint64_t valid_empty,
-		invalid_there;   /* frames that say valid without a distance; invalid with one */
+		behind;          /* of these: at full scale; beyond radar.range_max; below 0 */
 	double far_m;            /* farthest target */
+	uint64_t invalid_there;  /* frames that say invalid, with a distance */
 	uint64_t valid, invalid; /* frames that say so */
 	uint64_t valid_moves,
 		invalid_moves;     /* of these: the distance differs from the frame before */
@@ -126,6 +125,9 @@ struct inputs {
 
 /** inputs_open - @cfg and @map must outlive it. Allocates. 0 or -ENOMEM. */
 int inputs_open(const struct config *cfg, const struct mapping *map, struct inputs **ret);
+
+/** inputs_by_chance - 1 if so few frames pass that check as pass any: it is the wrong one. Pure. */
+int inputs_by_chance(const struct inputs_message *st, enum e2e_kind check);
 
 /** inputs_frame - take one frame. An interface beyond the mapping's is only counted. Allocates now and then. */
 void inputs_frame(struct inputs *in, const struct bus_frame *f);

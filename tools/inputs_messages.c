@@ -59,7 +59,7 @@ static void say_absent(struct inputs_judge *j, int i)
 			   near->id & BUS_ID_MASK);
 		inputs_change(j,
 			      "the database is of another car or bus, or BO_ %u has another number",
-			      id_of(in, i));
+			      m->msg->id);
 	} else {
 		inputs_say(j, INPUTS_WRONG, name_of(in, i), "nothing comes on %s in %.1f s%s%s",
 			   iface, watched_s(in),
@@ -245,10 +245,11 @@ static void judge_crc(struct inputs_judge *j, int i)
 	const uint64_t wrong = st->status[E2E_WRONG_CRC];
 	const enum e2e_kind other = other_check(j->in, i);
 
-	if (wrong + st->lengths == st->frames) {
+	if (wrong && inputs_by_chance(st, j->in->map->message[i].check)) {
 		inputs_say(j, INPUTS_WRONG, name,
-			   "its checksum is never right (check %s, %llu frames)", kind,
-			   (unsigned long long)st->frames);
+			   "its checksum is wrong in %llu of %llu frames, and right as often as by "
+			   "chance (check %s)",
+			   (unsigned long long)wrong, (unsigned long long)st->frames, kind);
 		inputs_change(j, "[message %s] check = %s", name, e2e_kind_name[other]);
 	} else if (wrong) {
 		inputs_say(j,

@@ -201,13 +201,13 @@ void inputs_check_valid(struct inputs_judge *j)
 	inputs_spec(in, INPUTS_VALID, spec, sizeof(spec));
 	if (is_turned(in)) {
 		inputs_say(j, INPUTS_WRONG, spec,
-			   "the distance is there in %.0f %% of the frames that it calls invalid, "
-			   "and changes in "
-			   "%.0f %%; in %.0f %% and %.0f %% of the valid ones: turned round?",
-			   100 * inputs_share(in->invalid_there, in->invalid),
+			   "the distance changes in %.0f %% of the %llu frames that it calls "
+			   "invalid, in %.0f %% of "
+			   "the %llu valid ones: turned round?",
 			   100 * inputs_share(in->invalid_moves, in->invalid),
-			   100 * (1 - inputs_share(in->valid_empty, in->valid)),
-			   100 * inputs_share(in->valid_moves, in->valid));
+			   (unsigned long long)in->invalid,
+			   100 * inputs_share(in->valid_moves, in->valid),
+			   (unsigned long long)in->valid);
 		inputs_change(j, "[signal valid] negate = yes, or from = another signal");
 	} else if (!in->valid) {
 		inputs_say(j, INPUTS_DOUBT, spec, "never valid in %llu frames: no target",

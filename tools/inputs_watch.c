@@ -114,7 +114,13 @@ static void take_times(struct inputs_message *st, const struct map_message *m,
 	st->frames++;
 }
 
-/* 1 if the content is to be looked at: unless the checksum fails, where it is ever right. */
+/* Eight bits are right by chance in one of 256 frames. */
+int inputs_by_chance(const struct inputs_message *st, enum e2e_kind check)
+{
+	return st->passes[check] * 32 <= st->frames;
+}
+
+/* 1 if the content is to be looked at: not if the checksum fails, where it is the right one. */
 static int take_message(struct inputs_message *st, const struct map_message *m,
 			const struct bus_frame *f)
 {
@@ -129,7 +135,7 @@ static int take_message(struct inputs_message *st, const struct map_message *m,
 		return 0;
 	}
 	take_passes(st, m, f);
-	return status != E2E_WRONG_CRC || st->passes[m->check] == 0;
+	return status != E2E_WRONG_CRC || inputs_by_chance(st, m->check);
 }
 
 /* ---- the car ----------------------------------------------------------------------------------- */
@@ -256,7 +262,6 @@ static void count_valid(struct inputs *in, const struct map_track *t, const uint
 
 		in->valid += valid != 0;
 		in->invalid += valid == 0;
-		in->valid_empty += valid != 0 && !there;
 		in->invalid_there += valid == 0 && there;
 		in->valid_moves += valid != 0 && moves;
 		in->invalid_moves += valid == 0 && moves;

@@ -90,6 +90,7 @@ struct mapper_candidate {
 	double score;
 	const char *unit; /* to be written; NULL: the database's will do */
 	int negate;
+	int odd; /* it behaves as no such signal should: not to be taken unasked */
 	char why[MAPPER_WHY_MAX];
 };
 
@@ -117,7 +118,7 @@ const char *mapper_unit(enum unit_kind kind, const char *name);
 void mapper_rank(const struct mapper *m, enum mapper_role role, int family,
 		 const struct mapper_candidate *distance, struct mapper_choice *c);
 
-/** mapper_is_clear - 1 if the first candidate is good and far better than the second. */
+/** mapper_is_clear - 1 if the first candidate is good, not odd, and far better than the second. */
 int mapper_is_clear(const struct mapper_choice *c);
 
 /** mapper_spec - the candidate as [signal] from names it. Returns @text. */

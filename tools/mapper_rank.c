@@ -151,6 +151,7 @@ static void judge_values(struct mapper_candidate *c, enum mapper_role role,
 	char text[64];
 
 	snprintf(text, sizeof(text), odd ? "%.4g to %.4g in the log: odd" : range, min, max);
+	c->odd |= odd;
 	add(c, odd ? ODD_POINTS : PLAIN_POINTS, "%s", text);
 }
 
@@ -164,10 +165,11 @@ static void judge_log(const struct mapper *m, struct mapper_candidate *c, enum m
 	if (!p.n) {
 		add(c, ABSENT_POINTS, "0x%X is not in the log",
 		    m->family[c->family].member[0]->id & BUS_ID_MASK);
-	} else if (p.steps >= STEPS_MIN && !p.moves) {
+	} else if (p.steps >= STEPS_MIN && !p.moves && p.min == p.max) {
 		const int may = mapper_role_table[role].unit == UNIT_FLAG ||
 				mapper_role_table[role].unit == UNIT_SHARE;
 
+		c->odd |= !may && mapper_role_table[role].required;
 		add(c, may ? 0 : STILL_POINTS, "never changes, always %.4g", p.min);
 	} else {
 		judge_values(c, role, &p);
@@ -222,6 +224,7 @@ static void judge_rate(const struct mapper *m, struct mapper_candidate *c,
 		if (row == -2) {
 			add(c, 0, "too few changes of the distance to compare (%u)", med.n);
 		} else if (row == -1) {
+			c->odd = 1;
 			add(c, ODD_POINTS, "does not follow %s (ratio %.2f, %u stretches)",
 			    p->distance->name, med.value, med.n);
 		} else {
@@ -384,7 +387,7 @@ void mapper_rank(const struct mapper *m, enum mapper_role role, int family,
 
 int mapper_is_clear(const struct mapper_choice *c)
 {
-	return c->n > 0 && c->at[0].score >= MAPPER_SCORE_MIN &&
+	return c->n > 0 && c->at[0].score >= MAPPER_SCORE_MIN && !c->at[0].odd &&
 	       (c->n == 1 || c->at[0].score - c->at[1].score >= MAPPER_LEAD_MIN);
 }
 

@@ -134,6 +134,8 @@ void pipeline_tell_evaluation(const struct pipeline *p)
 					   .speed_mps = c->scene.x[SCENE_EGO_SPEED],
 					   .headway_m = c->scene.x[SCENE_HEADWAY],
 					   .lead_speed_mps = c->scene.x[SCENE_LEAD_SPEED],
+					   .safe_m = c->res.headway_m[1],
+					   .lead = c->scene.lead_id,
 					   .p = r->p,
 					   .lo = r->lo,
 					   .hi = r->hi,

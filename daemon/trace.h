@@ -15,6 +15,8 @@ struct trace_evaluation {
 	uint64_t cycle, samples;
 	int64_t t_ns;
 	double speed_mps, headway_m, lead_speed_mps; /* of ego; to the lead; of the lead */
+	double safe_m;                               /* headway at which the risk is 1 % */
+	uint32_t lead;                               /* changes with the lead */
 	double p, lo, hi;                            /* of FUTURE_DEFER */
 	double accel_mps2;                           /* requested */
 	const char *level, *state;

@@ -63,6 +63,8 @@ LTTNG_UST_TRACEPOINT_EVENT(aebmc, evaluation,
 		lttng_ust_field_float(double, speed_mps, e->speed_mps)
 		lttng_ust_field_float(double, headway_m, e->headway_m)
 		lttng_ust_field_float(double, lead_speed_mps, e->lead_speed_mps)
+		lttng_ust_field_float(double, safe_m, e->safe_m)
+		lttng_ust_field_integer(uint32_t, lead, e->lead)
 		lttng_ust_field_float(double, p, e->p)
 		lttng_ust_field_float(double, lo, e->lo)
 		lttng_ust_field_float(double, hi, e->hi)

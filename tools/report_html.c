@@ -1,0 +1,427 @@
+/* SPDX-License-Identifier: MIT
+ * The report as one page that needs nothing else: tables and pictures, for light and dark. See report.h.
+ */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include "clock.h"
+#include "decision.h"
+#include "fault.h"
+#include "figure.h"
+#include "hist.h"
+#include "report.h"
+#include "svg.h"
+
+#define WIDTH_PX 960
+
+static const char style[] =
+	":root{color-scheme:light "
+	"dark;--ink:#1b1f24;--paper:#fff;--faint:#667;--line:#d8dce2;--bad:#b3261e;--good:#1a7f37}"
+	"@media(prefers-color-scheme:dark){:root{--ink:#e6e8eb;--paper:#14171a;--faint:#9aa4ae;--"
+	"line:#333a42;"
+	"--bad:#ff8a80;--good:#7ee2a0}}"
+	"body{font:15px/1.45 "
+	"system-ui,sans-serif;color:var(--ink);background:var(--paper);margin:2rem auto;"
+	"max-width:980px;padding:0 "
+	"1rem}h1{font-size:1.5rem;margin:0}h2{font-size:1.15rem;margin:2.2rem 0 .4rem}"
+	"p{margin:.3rem "
+	"0}.faint,td.what,caption{color:var(--faint)}.bad{color:var(--bad);font-weight:600}"
+	".good{color:var(--good);font-weight:600}"
+	"table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}"
+	"th,td{text-align:right;padding:.18rem .5rem;border-bottom:1px solid var(--line)}"
+	"th{font-weight:600}th:first-child,td:first-child,td.what{text-align:left}"
+	"tr.sum td{font-weight:600}svg{max-width:100%;height:auto;display:block;margin:.6rem 0}"
+	".wide{overflow-x:auto}";
+
+static double ms(int64_t ns)
+{
+	return (double)ns / 1e6;
+}
+
+/* ---- tables ----------------------------------------------------------------------------------------------- */
+
+static void cell_ms(FILE *out, int64_t ns)
+{
+	if (ns < 0) {
+		fputs("<td>\342\200\223</td>", out);
+	} else {
+		fprintf(out, "<td>%.*f</td>", ns < 10 * CLOCK_NS_PER_MS ? 3 : 1, ms(ns));
+	}
+}
+
+static void cell_count(FILE *out, uint64_t n, int bad)
+{
+	fprintf(out, bad ? "<td class=bad>%" PRIu64 "</td>" : "<td>%" PRIu64 "</td>", n);
+}
+
+static void cell_share(FILE *out, double p)
+{
+	if (isnan(p)) {
+		fputs("<td>\342\200\223</td>", out);
+	} else {
+		fprintf(out, "<td>%.3g %%</td>", 100 * p);
+	}
+}
+
+static void figures(FILE *out, const struct report_stage *s)
+{
+	cell_count(out, s->n, 0);
+	cell_ms(out, s->p50_ns);
+	cell_ms(out, s->p95_ns);
+	cell_ms(out, s->p99_ns);
+	cell_ms(out, s->p99_9_ns);
+	cell_ms(out, s->max_ns);
+}
+
+static void stage_table_html(const struct report *r, FILE *out)
+{
+	fputs("<h2>Where the time goes</h2><div class=wide><table><tr><th>stage "
+	      "[ms]<th>n<th>p50<th>p95<th>p99"
+	      "<th>p99.9<th>max<th>budget<th>over<th></tr>\n",
+	      out);
+	for (int s = 0; s < STAGES; s++) {
+		const struct stage_row *row = &stage_table[s];
+
+		fprintf(out, "<tr%s><td>%s</td>", s >= STAGE_DECISION ? " class=sum" : "",
+			row->name);
+		figures(out, &r->stage[s]);
+		cell_ms(out, row->budget_ns ? row->budget_ns : -1);
+		if (row->budget_ns) {
+			cell_count(out, r->stage[s].over, r->stage[s].over > 0);
+		} else {
+			fputs("<td></td>", out);
+		}
+		fprintf(out, "<td class=what>%s</td></tr>\n", row->doc);
+	}
+	for (int s = 0; s < SUBS; s++) {
+		if (r->sub[s].n) {
+			fprintf(out, "<tr><td>&emsp;%s</td>", report_sub_name[s]);
+			figures(out, &r->sub[s]);
+			fprintf(out, "<td></td><td></td><td class=what>%s</td></tr>\n",
+				report_sub_doc[s]);
+		}
+	}
+	fputs("</table></div>\n", out);
+}
+
+static void miss_table_html(const struct report *r, FILE *out)
+{
+	static const char *const unit[MISSES] = {"evaluations", "evaluations", "periods", "scans"};
+
+	fputs("<h2>What was missed</h2><div "
+	      "class=wide><table><tr><th>kind<th>n<th>of<th>runs<th>longest run"
+	      "<th>chance<th>after a miss<th></tr>\n",
+	      out);
+	for (int k = 0; k < MISSES; k++) {
+		const struct report_runs *u = &r->runs[k];
+
+		fprintf(out, "<tr><td>%s</td>", miss_name[k]);
+		cell_count(out, r->missed[k], r->missed[k] > 0);
+		cell_count(out, u->n, 0);
+		cell_count(out, u->runs, 0);
+		cell_count(out, u->longest, 0);
+		cell_share(out, report_chance(u));
+		cell_share(out, report_chance_again(u));
+		fprintf(out, "<td class=what>%s</td></tr>\n", unit[k]);
+	}
+	fprintf(out,
+		"</table></div><p>%" PRIu64 " request frames in time + %" PRIu64 " missed, %" PRIu64
+		" were due: <span class=%s</span></p>\n",
+		r->published - r->published_late, r->runs[MISS_PERIOD].misses, report_ticks(r),
+		report_adds_up(r) ? "good>adds up" : "bad>does not add up, events are missing");
+}
+
+static void miss_list_html(const struct report *r, FILE *out)
+{
+	if (!r->n_misses) {
+		return;
+	}
+	fprintf(out,
+		"<details><summary>Each of them (%zu)</summary><div class=wide><table>"
+		"<tr><th>after [s]<th>kind<th>stage<th>cycle<th>count<th>over by [ms]</tr>\n",
+		r->n_misses);
+	for (size_t i = 0; i < r->n_misses; i++) {
+		const struct report_miss *m = &r->miss[i];
+
+		fprintf(out, "<tr><td>%.3f</td><td>%s</td><td>%s</td><td>%" PRIu64 "</td>",
+			(double)(m->t_ns - r->first_ns) / 1e9, miss_name[m->kind],
+			m->stage < 0 ? "" : stage_table[m->stage].name, m->cycle);
+		cell_count(out, m->count, 0);
+		cell_ms(out, m->late_ns ? m->late_ns : -1);
+		fputs("</tr>\n", out);
+	}
+	fputs("</table></div></details>\n", out);
+}
+
+/* ---- histograms --------------------------------------------------------------------------------------------- */
+
+/* In buckets of an eighth of a doubling: what the eye can tell apart on a logarithmic axis. */
+#define BARS_MAX 256
+struct bars {
+	double low_ms, high_ms, most;
+	double count[BARS_MAX];
+	int n;
+};
+
+#define STEP 1.0905077326652577 /* 2^(1/8) */
+
+static void count_bars(const struct report_stage *s, double low_ms, double high_ms, struct bars *b)
+{
+	*b = (struct bars){.low_ms = low_ms, .high_ms = high_ms};
+	b->n = (int)ceil(log(high_ms / low_ms) / log(STEP));
+	b->n = b->n < BARS_MAX ? b->n : BARS_MAX;
+	for (uint64_t i = 0; i < s->n; i++) {
+		const double at = log(fmax(ms(s->sorted_ns[i]), low_ms) / low_ms) / log(STEP);
+		double *bar = &b->count[at < b->n ? (int)at : b->n - 1];
+
+		b->most = ++*bar > b->most ? *bar : b->most;
+	}
+}
+
+static void draw_hist(struct svg *svg, const struct stage_row *row, const struct report_stage *s,
+		      int last)
+{
+	const double low_ms = 0.001, high_ms = 1024;
+	struct bars b;
+	struct svg_panel p = {.title = row->name,
+			      .x = {.label = last ? "[ms]" : NULL,
+				    .scale = SVG_LOG,
+				    .min = low_ms,
+				    .max = high_ms},
+			      .y = {.label = "evaluations", .min = 0.7, .scale = SVG_LOG}};
+
+	count_bars(s, low_ms, high_ms, &b);
+	p.y.max = fmax(10, b.most * 1.5);
+	svg_panel(svg, &p);
+	for (int i = 0; i < b.n; i++) {
+		if (b.count[i] > 0) {
+			const double from = low_ms * pow(STEP, i), to = from * STEP;
+			const double x = (from + to) / 2;
+
+			svg_bars(svg, SVG_BLUE, &x, &b.count[i], 1, to - from);
+		}
+	}
+	svg_mark(svg, SVG_RED, ms(row->budget_ns), "budget");
+	svg_mark(svg, SVG_GREY, ms(s->p99_ns), "p99");
+}
+
+static void histograms(const struct report *r, FILE *out)
+{
+	static const enum stage shown[] = {STAGE_INPUT, STAGE_MC, STAGE_DECISION, STAGE_TOTAL};
+	const int n = sizeof(shown) / sizeof(shown[0]);
+	struct svg svg;
+	int panels = 0, drawn = 0;
+
+	for (int i = 0; i < n; i++) {
+		panels += r->stage[shown[i]].n > 0;
+	}
+	const struct svg_page page = {.width_px = WIDTH_PX,
+				      .height_px = 60 + 150 * panels,
+				      .title = "How long each stage took",
+				      .shares = panels,
+				      .embedded = 1};
+
+	if (!panels || r->replay) {
+		return;
+	}
+	fputs("<h2>How it is spread</h2>\n", out);
+	svg = svg_start(out, &page);
+	for (int i = 0; i < n; i++) {
+		if (r->stage[shown[i]].n) {
+			drawn++;
+			draw_hist(&svg, &stage_table[shown[i]], &r->stage[shown[i]],
+				  drawn == panels);
+		}
+	}
+	svg_end(&svg);
+}
+
+/* ---- worst cycles ------------------------------------------------------------------------------------------- */
+
+static const enum svg_colour stage_colour[STAGE_DECISION] = {
+	[STAGE_INPUT] = SVG_GREY,    [STAGE_SCENE] = SVG_SKY,  [STAGE_REQUEST] = SVG_AMBER,
+	[STAGE_MC] = SVG_BLUE,       [STAGE_DECIDE] = SVG_RED, [STAGE_SEND] = SVG_GREEN,
+	[STAGE_CONFIRM] = SVG_PURPLE};
+
+static void draw_cycle(struct svg *svg, const struct report *r, const struct report_cycle *c,
+		       int lane)
+{
+	char text[96];
+
+	for (int s = 0; s < STAGE_DECISION; s++) {
+		const int64_t ns = report_stage_ns(r, c, (enum stage)s);
+		const double from = ms(c->t_ns[stage_table[s].from] - c->t_ns[EDGE_INPUT]);
+
+		if (ns > 0) {
+			snprintf(text, sizeof(text), "%s %.3f ms", stage_table[s].name, ms(ns));
+			svg_span(svg, stage_colour[s], lane, from, from + ms(ns), text);
+		}
+	}
+}
+
+static void worst(const struct report *r, FILE *out)
+{
+	char name[REPORT_WORST][48];
+	const char *names[REPORT_WORST];
+	struct svg_key key[STAGE_DECISION];
+	struct svg_panel p = {.x = {.label = "since the oldest input was received [ms]"},
+			      .y = {.scale = SVG_NAMES, .name = names, .n = r->n_worst},
+			      .key = key,
+			      .keys = STAGE_DECISION};
+	const struct svg_page page = {
+		.width_px = WIDTH_PX,
+		.height_px = 110 + 26 * r->n_worst,
+		.title = "The longest cycles, from the oldest input to the bus",
+		.left_px = 110,
+		.embedded = 1};
+	struct svg svg;
+
+	if (!r->n_worst || r->replay) {
+		return;
+	}
+	for (int i = 0; i < r->n_worst; i++) {
+		snprintf(name[i], sizeof(name[i]), "cycle %" PRIu64 "%s", r->worst[i]->id,
+			 r->worst[i]->late ? ", late" : "");
+		names[i] = name[i];
+	}
+	for (int s = 0; s < STAGE_DECISION; s++) {
+		key[s] = (struct svg_key){stage_colour[s], SVG_KEY_AREA, stage_table[s].name};
+	}
+	p.x.max = ms(report_cycle_ns(r, r->worst[0]));
+	svg_round_out(&p.x);
+	fputs("<h2>The worst cycles</h2>\n", out);
+	svg = svg_start(out, &page);
+	svg_panel(&svg, &p);
+	for (int i = 0; i < r->n_worst; i++) {
+		draw_cycle(&svg, r, r->worst[i], i);
+	}
+	if (p.x.max >= ms(stage_table[STAGE_TOTAL].budget_ns)) {
+		svg_mark(&svg, SVG_RED, ms(stage_table[STAGE_TOTAL].budget_ns), "budget");
+	}
+	svg_end(&svg);
+}
+
+static void worst_table_html(const struct report *r, FILE *out)
+{
+	char when[32];
+
+	if (!r->n_worst) {
+		return;
+	}
+	fputs("<div class=wide><table><tr><th>cycle<th>UTC<th>all [ms]", out);
+	for (int s = 0; s < STAGE_DECISION; s++) {
+		fprintf(out, "<th>%s", stage_table[s].name);
+	}
+	fputs("</tr>\n", out);
+	for (int i = 0; i < r->n_worst; i++) {
+		const struct report_cycle *c = r->worst[i];
+
+		report_when(r, c->t_ns[EDGE_INPUT], when, sizeof(when));
+		fprintf(out, "<tr><td>%" PRIu64 "</td><td>%s</td>", c->id, when);
+		cell_ms(out, report_cycle_ns(r, c));
+		for (int s = 0; s < STAGE_DECISION; s++) {
+			cell_ms(out, report_stage_ns(r, c, (enum stage)s));
+		}
+		fputs("</tr>\n", out);
+	}
+	fputs("</table></div>\n", out);
+}
+
+/* ---- risk ------------------------------------------------------------------------------------------------------ */
+
+enum column { TIME, EGO, LEAD_SPEED, HEADWAY, SAFE, P, LO, HI, ACCEL, LEAD, COLUMNS };
+
+static void fill(const struct report *r, double *v, const char **level, const char **state)
+{
+	const size_t n = r->n_evaluations;
+
+	for (size_t i = 0; i < n; i++) {
+		const struct report_evaluation *e = &r->evaluation[i];
+		const double row[COLUMNS] = {[TIME] = e->t_s - (double)r->first_mono_ns / 1e9,
+					     [EGO] = e->speed_mps,
+					     [LEAD_SPEED] = e->lead_speed_mps,
+					     [HEADWAY] = e->headway_m,
+					     [SAFE] = e->safe_m,
+					     [P] = e->p,
+					     [LO] = e->lo,
+					     [HI] = e->hi,
+					     [ACCEL] = e->accel_mps2,
+					     [LEAD] = e->lead};
+
+		for (int c = 0; c < COLUMNS; c++) {
+			v[(size_t)c * n + i] = row[c];
+		}
+		level[i] = e->level < 0 ? "none" : level_name[e->level];
+		state[i] = e->state < 0 ? state_name[STATE_INIT] : state_name[e->state];
+	}
+}
+
+static void risk(const struct report *r, FILE *out)
+{
+	const size_t n = r->n_evaluations;
+	double *v = calloc(n * COLUMNS + 1, sizeof(*v));
+	const char **word = calloc(2 * n + 1, sizeof(*word));
+
+	if (v && word && n > 1) {
+		fill(r, v, word, word + n);
+		const struct figure_timeline t = {.text = {.title = "Risk and what led to it"},
+						  .n = n,
+						  .from_s = v[0],
+						  .to_s = v[n - 1],
+						  .time_s = v + TIME * n,
+						  .ego_mps = v + EGO * n,
+						  .lead_mps = v + LEAD_SPEED * n,
+						  .headway_m = v + HEADWAY * n,
+						  .safe_m = v + SAFE * n,
+						  .p = v + P * n,
+						  .lo = v + LO * n,
+						  .hi = v + HI * n,
+						  .accel_mps2 = v + ACCEL * n,
+						  .lead = v + LEAD * n,
+						  .level = word,
+						  .state = word + n};
+
+		fputs("<h2>Risk over time</h2>\n", out);
+		figure_timeline(out, &t);
+	}
+	free(word);
+	free(v);
+}
+
+/* ---- page ------------------------------------------------------------------------------------------------------ */
+
+static void head(const struct report *r, const char *dir, FILE *out)
+{
+	char when[32];
+
+	report_when(r, r->first_mono_ns, when, sizeof(when));
+	fputs("<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport "
+	      "content=\"width=device-width\"><title>aebmc report</title><style>",
+	      out);
+	fputs(style, out);
+	svg_css(out);
+	fputs("</style>\n<h1>aebmc report</h1>\n<p class=faint>", out);
+	svg_escape(out, dir);
+	fprintf(out,
+		"</p>\n<p>%.1f s from %s UTC, %zu evaluations, %" PRIu64 " events, %" PRIu64
+		" lost.</p>\n",
+		report_seconds(r), when, r->n_cycles, r->events, r->lost.events);
+	if (r->replay) {
+		fputs("<p class=bad>A replay: input is the log's time; request, mc and decide "
+		      "are what this machine took; nothing was waited for or sent.</p>\n",
+		      out);
+	}
+}
+
+void report_html(const struct report *r, const char *dir, FILE *out)
+{
+	head(r, dir, out);
+	stage_table_html(r, out);
+	histograms(r, out);
+	miss_table_html(r, out);
+	miss_list_html(r, out);
+	worst(r, out);
+	worst_table_html(r, out);
+	risk(r, out);
+	fputs("</html>\n", out);
+}

@@ -331,13 +331,13 @@ static void hash_has_a_known_answer(void **state)
 {
 	(void)state;
 	struct dbc *dbc =
-		parse("BO_ 1 M: 8 X\n SG_ A : 0|8@1+ (0.5,-3) [1|9] \"m\" X\n"
+		parse("BO_ 1 MSG: 8 X\n SG_ A : 0|8@1+ (0.5,-3) [1|9] \"m\" X\n"
 		      " SG_ B : 15|8@0- (1,0) [0|0] \"s\" X\nBO_ 2 N: 4 X\n"
 		      "BA_ \"GenMsgCycleTime\" BO_ 1 20;\nVAL_ 1 A 1 \"a\" 2 \"b\" ;\n"
 		      "BA_ \"E2EDataIDList\" BO_ 1 \"1 2 3 4 5 6 7 8 9 a b c d e f 10\";\n");
 	uint64_t raw;
-	const struct dbc_signal *a = dbc_find_signal(dbc_find(dbc, "M"), "A");
-	assert_true(dbc_hash(dbc) == 0xed77f33d9990248);
+	const struct dbc_signal *a = dbc_find_signal(dbc_find(dbc, "MSG"), "A");
+	assert_true(dbc_hash(dbc) == 0xa64bca5fcb60e1a2);
 	assert_string_equal(dbc_value_text(a, 2), "b");
 	assert_null(dbc_value_text(a, 3));
 	assert_int_equal(dbc_value_raw(a, "a", &raw), 0);

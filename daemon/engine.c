@@ -24,7 +24,7 @@ static const struct row {
 	{&mc_cpu_ops, CHOICE_CPU, PUBLISH_BACKEND_CPU},
 };
 
-static struct mc_params params_of(const struct config *cfg, config_int samples)
+struct mc_params engine_params(const struct config *cfg, config_int samples)
 {
 	struct mc_params p = {
 		.kind = (enum mc_draws_kind)cfg->mc_draws,
@@ -55,7 +55,7 @@ static const char *why_not(int status)
 int engine_open(const struct config *cfg, enum mc_worker how, struct mc **ret,
 		enum publish_backend *which, char *err, int err_len)
 {
-	const struct mc_params p = params_of(cfg, cfg->mc_samples);
+	const struct mc_params p = engine_params(cfg, cfg->mc_samples);
 	int status = -ENODEV;
 
 	for (size_t i = 0; i < sizeof(rows) / sizeof(rows[0]); i++) {
@@ -146,7 +146,7 @@ static int choose_size(const struct config *cfg, struct mc *mc, config_int most,
 static int open_sized(const struct mc_ops *ops, const struct config *cfg, config_int most,
 		      struct mc **ret, struct engine_size *size)
 {
-	const struct mc_params p = params_of(cfg, most);
+	const struct mc_params p = engine_params(cfg, most);
 	int err = mc_open(ops, &p, MC_WORKER, ret);
 
 	err = err ? err : choose_size(cfg, *ret, most, size);

@@ -9,6 +9,9 @@
 #include "mc.h"
 #include "publish.h"
 
+/** engine_params - how the backend of @cfg is opened for @samples an evaluation: its draws in particular. Pure. */
+struct mc_params engine_params(const struct config *cfg, config_int samples);
+
 /**
  * engine_open - open the backend that mc.backend names; `auto` takes CUDA where there is a device, else the CPU
  * @how: MC_INLINE on a log (results must not depend on how fast this machine is), a worker when live

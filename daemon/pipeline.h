@@ -82,6 +82,10 @@ int pipeline_step(struct pipeline *p);
 int pipeline_request(const struct config *cfg, const struct scene *s, uint64_t id,
 		     struct mc_request *req);
 
+/* What each row of such a request's prior says, in words. The first ones are of the lead, the others of what else is met. */
+#define PIPELINE_LEAD_ROWS 4
+extern const char *const pipeline_prior_words[MC_PRIORS_MAX];
+
 /* The next eight may be called from another thread than pipeline_step's; they do not block. */
 
 /** pipeline_set_mc - the backend is open: from the next step on scans are evaluated (until then the state is INIT), with

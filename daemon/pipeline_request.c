@@ -8,11 +8,21 @@
 _Static_assert((int)SCENE_DIM == MC_STATE_DIM && (int)SCENE_LEAD_ACCEL == (int)MODEL_LEAD_ACCEL,
 	       "a scene's state is the correlated part of a request");
 
-#define LEAD_ROWS   4
 #define NOTHING_M   1000 /* so far ahead, and so fast, that it is neither met nor approached */
 #define NOTHING_MPS 200
 
-_Static_assert(LEAD_ROWS + (int)SCENE_OTHERS <= MC_PRIORS_MAX, "a row for each");
+_Static_assert(PIPELINE_LEAD_ROWS + (int)SCENE_OTHERS == MC_PRIORS_MAX, "a row for each");
+
+const char *const pipeline_prior_words[MC_PRIORS_MAX] = {
+	"the lead keeps its acceleration",
+	"the lead's acceleration decays",
+	"the lead brakes harder",
+	"the lead eases off",
+	[PIPELINE_LEAD_ROWS + SCENE_NEARER] = "a nearer object is met",
+	[PIPELINE_LEAD_ROWS + SCENE_BEHIND] = "the object behind the lead is met",
+	[PIPELINE_LEAD_ROWS + SCENE_HIDDEN] = "what the lead hides is met",
+	[PIPELINE_LEAD_ROWS + SCENE_NOTHING] = "nothing is met",
+};
 
 /* Column @k of the Cholesky factor. A variance of 0 is a figure known exactly: it may covary with nothing. */
 static int cholesky_column(const double cov[SCENE_DIM][SCENE_DIM], double l[SCENE_DIM][SCENE_DIM],
@@ -79,11 +89,11 @@ static void independent(const struct config *c, struct mc_request *r)
 }
 
 /* What the lead does next, with the probability that it is what the ego meets. */
-static void lead_rows(const struct config *c, double p, struct mc_prior row[LEAD_ROWS])
+static void lead_rows(const struct config *c, double p, struct mc_prior row[PIPELINE_LEAD_ROWS])
 {
 	const struct {
 		double weight, gain, offset;
-	} next[LEAD_ROWS] = {
+	} next[PIPELINE_LEAD_ROWS] = {
 		{c->lead_hold_weight, 1, 0},
 		{c->lead_decay_weight, c->lead_decay_gain, 0},
 		{c->lead_harder_weight, 1, c->lead_harder_accel},
@@ -91,10 +101,10 @@ static void lead_rows(const struct config *c, double p, struct mc_prior row[LEAD
 	};
 	double sum = 0;
 
-	for (int i = 0; i < LEAD_ROWS; i++) {
+	for (int i = 0; i < PIPELINE_LEAD_ROWS; i++) {
 		sum += next[i].weight;
 	}
-	for (int i = 0; i < LEAD_ROWS; i++) {
+	for (int i = 0; i < PIPELINE_LEAD_ROWS; i++) {
 		const double share = sum > 0 ? next[i].weight / sum : i == 0;
 
 		row[i] = (struct mc_prior){.weight = (float)(p * share),
@@ -119,7 +129,7 @@ static struct mc_prior object_row(const struct scene *s, const struct scene_obje
 static void priors(const struct config *c, const struct scene *s, struct mc_request *r)
 {
 	const struct scene_object *o = s->other;
-	struct mc_prior *row = &r->prior[LEAD_ROWS];
+	struct mc_prior *row = &r->prior[PIPELINE_LEAD_ROWS];
 
 	lead_rows(c, scene_lead_p(s), r->prior);
 	row[SCENE_NEARER] = object_row(s, &o[SCENE_NEARER]);
@@ -129,7 +139,7 @@ static void priors(const struct config *c, const struct scene *s, struct mc_requ
 	row[SCENE_NOTHING] = (struct mc_prior){.weight = (float)o[SCENE_NOTHING].p,
 					       .headway_m = NOTHING_M,
 					       .speed_mps = NOTHING_MPS};
-	r->n_priors = LEAD_ROWS + SCENE_OTHERS;
+	r->n_priors = PIPELINE_LEAD_ROWS + SCENE_OTHERS;
 }
 
 static struct model_vehicle vehicle(const struct config *c)

@@ -137,15 +137,20 @@ static int write_frames(const struct recorder *r, FILE *f, int64_t from, int64_t
 	return ferror(f) ? -EIO : 0;
 }
 
-/* "(time) hash-of-request hash-of-result words": readable by recorder_parse() on any little-endian machine. */
-static void write_evaluation(FILE *f, const struct evaluation *e, int64_t offset)
+void recorder_write_head(FILE *f)
 {
-	const int64_t t = e->t_ns + offset;
+	fprintf(f, "# aebmc requests 1: (time) hash of request, hash of result, %zu words\n",
+		sizeof(struct mc_request) / 4);
+}
+
+/* Readable by recorder_parse() on any little-endian machine. */
+void recorder_write(FILE *f, int64_t t_ns, const struct mc_request *req, uint64_t result_hash)
+{
 	uint32_t word[sizeof(struct mc_request) / 4];
 
-	memcpy(word, &e->req, sizeof(e->req));
-	fprintf(f, "(%010" PRId64 ".%06" PRId64 ") %016" PRIx64 " %016" PRIx64, t / 1000000000,
-		t / 1000 % 1000000, mc_request_hash(&e->req), e->result_hash);
+	memcpy(word, req, sizeof(*req));
+	fprintf(f, "(%010" PRId64 ".%06" PRId64 ") %016" PRIx64 " %016" PRIx64, t_ns / 1000000000,
+		t_ns / 1000 % 1000000, mc_request_hash(req), result_hash);
 	for (size_t i = 0; i < sizeof(word) / sizeof(word[0]); i++) {
 		fprintf(f, " %x", word[i]);
 	}
@@ -157,11 +162,10 @@ static int write_requests(const struct recorder *r, FILE *f, int64_t from, int64
 {
 	struct evaluation e;
 
-	fprintf(f, "# aebmc requests 1: (time) hash of request, hash of result, %zu words\n",
-		sizeof(e.req) / 4);
+	recorder_write_head(f);
 	for (uint64_t i = ring_begin(r->evaluations); i < ring_end(r->evaluations); i++) {
 		if (!ring_get(r->evaluations, i, &e) && e.t_ns >= from && e.t_ns <= to) {
-			write_evaluation(f, &e, offset);
+			recorder_write(f, e.t_ns + offset, &e.req, e.result_hash);
 		}
 	}
 	return ferror(f) ? -EIO : 0;

@@ -6,6 +6,7 @@
 #ifndef AEBMC_RECORDER_H
 #define AEBMC_RECORDER_H
 
+#include <stdio.h>
 #include "bus.h"
 #include "mc.h"
 
@@ -62,6 +63,11 @@ void recorder_close(struct recorder *r); /* NULL is fine */
 
 /** recorder_result_hash - of the integers and figures of a result, the same on any machine and backend. Pure. */
 uint64_t recorder_result_hash(const struct mc_result *res);
+
+/** recorder_write_head, recorder_write - a .requests file: its first line, and one line for each request with its result's
+ * hash; @t_ns is what the line names as its time. Write errors stay in ferror(@f). */
+void recorder_write_head(FILE *f);
+void recorder_write(FILE *f, int64_t t_ns, const struct mc_request *req, uint64_t result_hash);
 
 /**
  * recorder_parse - one line of a .requests file

@@ -3,6 +3,7 @@
  * everything, so that the same log, configuration and seed give the same output log, byte for byte.
  */
 #include <errno.h>
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -290,6 +291,17 @@ static int run(struct replay *r)
 	return error == -ENODATA ? 0 : error;
 }
 
+static int no_frame(const struct replay *r)
+{
+	const uint64_t others = r->log->ops->stats(r->log)->other_iface;
+
+	return others ? cli_error(CLI_FAILED, r->name,
+				  "%s: no frame on %s, but %" PRIu64
+				  " on other interfaces; see bus.interfaces",
+				  r->args->log, r->cfg.bus_interfaces, others)
+		      : cli_error(CLI_FAILED, r->name, "%s: no frame in it", r->args->log);
+}
+
 static int explain(const struct replay *r, int error)
 {
 	int lost = bus_log_finish(r->log);
@@ -308,10 +320,7 @@ static int explain(const struct replay *r, int error)
 	if (cli_interrupted()) {
 		return cli_error(CLI_FAILED, r->name, "interrupted");
 	}
-	return pipeline_stats(r->pipe)->frames
-		       ? CLI_GOOD
-		       : cli_error(CLI_FAILED, r->name, "%s: no frame on the configured interfaces",
-				   r->args->log);
+	return pipeline_stats(r->pipe)->frames ? CLI_GOOD : no_frame(r);
 }
 
 static int replay(struct replay *r)

@@ -160,6 +160,7 @@ int cmd_paper(int argc, char **argv)
 	if (mkdir(p.dir, 0777) && errno != EEXIST) {
 		return cli_error(CLI_FAILED, p.name, "%s: %s", p.dir, strerror(errno));
 	}
+	cli_catch_interrupt();
 	const int error = compute_all(&p);
 
 	return error ? cli_error(CLI_FAILED, p.name, "%s",

@@ -26,10 +26,12 @@ static int write_figure(const struct paper *p, const char *stem, const char *tit
 	path_of(p, stem, "svg", path);
 	int code = picture_write(p->name, path, draw, arg);
 
-	printf("%s: %s\n", path, title);
 	if (!code && p->png) {
 		path_of(p, stem, "png", path);
 		code = picture_write(p->name, path, draw, arg);
+	}
+	if (!code) {
+		printf("%s: %s\n", path, title);
 	}
 	return code;
 }
@@ -179,8 +181,12 @@ static int write_table(const struct paper *p, const char *end,
 		return CLI_FAILED;
 	}
 	table(f, p->table1, TABLE1_ROWS);
-	printf("%s: Table I\n", path);
-	return cli_close(p->name, path, f);
+	int code = cli_close(p->name, path, f);
+
+	if (!code) {
+		printf("%s: Table I\n", path);
+	}
+	return code;
 }
 
 int paper_write(const struct paper *p)

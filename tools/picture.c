@@ -4,6 +4,7 @@
 #include "picture.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <signal.h>
 #include <spawn.h>
 #include <stdlib.h>
 #include <string.h>
@@ -76,7 +77,9 @@ static int convert(const char *name, const char *path, pid_t pid, int from)
 	FILE *f = cli_create(name, path);
 	int status = -1, code = f ? 0 : CLI_FAILED;
 
-	if (f) {
+	if (!f) {
+		kill(pid, SIGKILL); /* it would complain, too */
+	} else {
 		const int error = copy(from, f);
 
 		code = cli_close(name, path, f);

@@ -151,19 +151,26 @@ static int find(const char *name, const struct args *a, struct explain *x, uint6
 					    a->log, a->at_s, f.first_s);
 }
 
-static int write_requests(const char *name, const char *path, const struct explain *x)
+static int write_requests(const char *name, const struct args *a, const struct explain *x, FILE *f)
 {
-	FILE *f = cli_create(name, path);
-
 	if (!f) {
-		return CLI_FAILED;
+		return CLI_GOOD;
 	}
 	recorder_write_head(f);
 	for (int i = 0; i < x->n_worst; i++) {
 		recorder_write(f, x->cycle.scene.scan_ns, &x->worst[i].req,
 			       x->worst[i].result_hash);
 	}
-	return cli_close(name, path, f);
+	return cli_close(name, a->requests, f);
+}
+
+static void tell(const struct args *a, const struct explain *x, uint64_t hash)
+{
+	if (a->json) {
+		explain_json(x, hash);
+	} else if (!a->requests || strcmp(a->requests, "-")) {
+		explain_words(stdout, x);
+	}
 }
 
 static int explain(const char *name, const struct args *a, struct explain *x)
@@ -178,16 +185,16 @@ static int explain(const char *name, const struct args *a, struct explain *x)
 	}
 	x->future = (int)a->future;
 	const int error = explain_run(&cfg, (int)a->worst, x);
+	FILE *requests = error || !a->requests ? NULL : cli_create(name, a->requests);
 
 	if (error) {
 		return cli_error(CLI_FAILED, name, "%s", strerror(-error));
 	}
-	if (a->json) {
-		explain_json(x, hash);
-	} else if (!a->requests || strcmp(a->requests, "-")) {
-		explain_words(stdout, x);
+	if (a->requests && !requests) {
+		return CLI_FAILED;
 	}
-	return a->requests ? write_requests(name, a->requests, x) : CLI_GOOD;
+	tell(a, x, hash);
+	return write_requests(name, a, x, requests);
 }
 
 int cmd_explain(int argc, char **argv)

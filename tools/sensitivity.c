@@ -4,6 +4,9 @@
 #include <stdlib.h>
 #include "sensitivity.h"
 
+#define ROUNDING \
+	1e-20 /* variance, relative to the mean squared, that summing up leaves of a constant */
+
 static int by_x(const void *a, const void *b)
 {
 	const float x = ((const struct sensitivity_pair *)a)->x;
@@ -51,7 +54,7 @@ double sensitivity_share(struct sensitivity_pair *pair, uint32_t n)
 
 		between += (to - from) * off * off;
 	}
-	if (!(total > 0) || n <= classes) {
+	if (!(total > ROUNDING * n * mean * mean) || n <= classes) {
 		return 0;
 	}
 	const double within = (total - between) / (n - classes);

@@ -49,6 +49,7 @@ completion() {
 }
 is "completion of a subcommand" "$(completion doc)" doctor
 is "completion of an option" "$(completion replay --req)" --requests
+is "completion of a kind of picture" "$(completion plot ti)" "time timeline"
 is "completion of help" "$(completion help conv)" converge
 
 ok "make uninstall" mk uninstall

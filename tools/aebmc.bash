@@ -8,6 +8,8 @@ _aebmc()
 		words="help --version $("$1" help | sed -n 's/^  \([a-z]*\) .*/\1/p')"
 	elif [[ ${COMP_WORDS[1]} == help ]]; then
 		words=$("$1" help | sed -n 's/^  \([a-z]*\) .*/\1/p')
+	elif [[ ${COMP_WORDS[1]} == plot && $COMP_CWORD -eq 2 && $cur != -* ]]; then
+		words=$("$1" help plot | tr '\n' ' ' | sed -n 's/.* KIND: \([^;]*\);.*/\1/p' | sed 's/,//g; s/ or / /')
 	elif [[ $cur == -* ]]; then
 		words=$("$1" help "${COMP_WORDS[1]}" 2>/dev/null | grep -oE -- '--[a-z-]+' | sort -u)
 	fi

@@ -33,6 +33,10 @@ int ini_fail(const struct ini *ini, const struct ini_entry *e, const char *fmt, 
 	}
 	snprintf(ini->err, (size_t)ini->err_len, "%s%s: %s",
 		 e && e->line == 0 ? "--set" : ini->path, where, what);
+	for (char *c = ini->err; *c; c++) {
+		/* What a database calls a unit may hold anything, ends of lines too. */
+		*c = (unsigned char)*c < ' ' || *c == 0x7F ? '?' : *c;
+	}
 	return -EINVAL;
 }
 

@@ -48,7 +48,7 @@ const struct ini_entry *ini_get(const struct ini *ini, const char *section, cons
 
 /**
  * ini_fail - say what is wrong with @e (NULL: with the file): "FILE:LINE: section.key: " and the text
- * Overwrites ini->err. Returns -EINVAL.
+ * Overwrites ini->err; control characters become '?', so that it is one line. Returns -EINVAL.
  */
 int ini_fail(const struct ini *ini, const struct ini_entry *e, const char *fmt, ...)
 	__attribute__((format(printf, 3, 4)));

@@ -194,9 +194,20 @@ static int teardown(void **state)
 	return 0;
 }
 
+static void errors_are_one_line(void **state)
+{
+	char err[64];
+	const struct ini ini = {.path = "car.conf", .err = err, .err_len = sizeof(err)};
+
+	(void)state;
+	assert_int_equal(ini_fail(&ini, NULL, "unit '%s'", "m\n/\r\x1Bs\xB0"), -EINVAL);
+	assert_string_equal(err, "car.conf: unit 'm?/??s\xB0'");
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(errors_are_one_line),
 		cmocka_unit_test(errors_are_named),
 		cmocka_unit_test(entries_are_found),
 		cmocka_unit_test(bytes_that_strings_cannot_hold),

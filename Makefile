@@ -79,7 +79,11 @@ WITH_CUDA   ?= auto
 comma       := ,
 NVCC        := $(firstword $(shell command -v nvcc 2>/dev/null) $(wildcard /usr/local/cuda/bin/nvcc))
 CUDA_ROOT   := $(patsubst %/bin/nvcc,%,$(realpath $(NVCC)))
-CUDA_FOUND  := $(and $(filter $(ARCH),$(shell uname -m)),$(wildcard $(CUDA_ROOT)/lib64/libcudart_static.a),$(shell command -v g++),$(NVCC))
+# A cross build names its C++ compiler, CUDA_CCBIN, and the folder of the target's libcudart_static.a, CUDA_LIB.
+CUDA_CCBIN  ?=
+CUDA_LIB    ?= $(CUDA_ROOT)/lib64
+CUDA_FOUND  := $(and $(or $(filter $(ARCH),$(shell uname -m)),$(CUDA_CCBIN)),$(wildcard $(CUDA_LIB)/libcudart_static.a),$(shell \
+	       command -v $(or $(CUDA_CCBIN),g++)),$(NVCC))
 HAVE_CUDA   := $(if $(filter no,$(WITH_CUDA)),,$(CUDA_FOUND))
 ifeq ($(WITH_CUDA)-$(HAVE_CUDA),yes-)
 $(error WITH_CUDA=yes, but no nvcc on PATH or in /usr/local/cuda/bin, or no g++, for $(ARCH))
@@ -90,9 +94,9 @@ MC_SRC      := $(filter-out $(if $(HAVE_CUDA),$(CUDA_NONE),$(filter-out $(CUDA_N
 TEST_SRC    := $(filter-out $(if $(HAVE_CUDA),,tests/test_cuda%),$(TEST_SRC))
 CUDA_OBJ    := $(if $(HAVE_CUDA),$(O)/kernels/mc_cuda.cu.o)
 CUDA_CFLAGS := $(if $(HAVE_CUDA),-isystem $(CUDA_ROOT)/include)
-CUDA_LIBS   := $(if $(HAVE_CUDA),$(CUDA_ROOT)/lib64/libcudart_static.a -ldl -lrt)
+CUDA_LIBS   := $(if $(HAVE_CUDA),$(CUDA_LIB)/libcudart_static.a -ldl -lrt)
 CUDA_SM     := $(sort 87 90 $(if $(HAVE_CUDA),$(shell $(CUDA_ROOT)/bin/__nvcc_device_query 2>/dev/null | tr ',' ' ')))
-NVCC_FLAGS  := -std=c++17 -O3 --fmad=false --ftz=false --prec-div=true --prec-sqrt=true -Ikernels \
+NVCC_FLAGS  := $(CUDA_CCBIN:%=-ccbin % -isystem $(CUDA_ROOT)/include) -std=c++17 -O3 --fmad=false --ftz=false --prec-div=true --prec-sqrt=true -Ikernels \
 	       -Xcompiler -Wall,-Wextra,-Wno-missing-field-initializers,-ffp-contract=off,-fno-exceptions,-fno-threadsafe-statics
 $(O)/kernels/mc_cuda.cu.o: kernels/mc_cuda.cu tools/ptxas-report $(O)/flags
 	$(call say,NVCC,$@)

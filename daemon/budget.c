@@ -16,13 +16,16 @@ static double batch_ns(const struct budget_cost *c, double n)
 }
 
 uint32_t budget_samples(const struct budget_cost *cost, int64_t target_ns, int64_t ceiling_ns,
-			uint32_t max)
+			uint32_t min, uint32_t max)
 {
 	const double aim_ns = (double)(target_ns < ceiling_ns ? target_ns : ceiling_ns);
 	uint32_t n = BUDGET_SAMPLES_MIN;
 
+	while (n < min && n <= max / 2) {
+		n *= 2;
+	}
 	/* Written so that a cost that is not a number fits nothing. */
-	if (max < n || !(batch_ns(cost, n) <= (double)ceiling_ns)) {
+	if (n < min || max < n || !(batch_ns(cost, n) <= (double)ceiling_ns)) {
 		return 0;
 	}
 	while (n <= max / 2 && batch_ns(cost, 2.0 * n) <= aim_ns) {

@@ -6,7 +6,7 @@
 
 #include "mc.h"
 
-#define BUDGET_SAMPLES_MIN 256u /* fewer are no evidence */
+#define BUDGET_SAMPLES_MIN 256u
 
 /* What a batch of n samples takes: overhead_ns + n * sample_ns. */
 struct budget_cost {
@@ -27,10 +27,11 @@ int budget_measure(struct mc *mc, const struct mc_request *like, int64_t target_
 /**
  * budget_samples - largest power of two that fits
  * @target_ns: aim; @ceiling_ns: hard bound (530 ms); both > 0
+ * @min:       fewer are no evidence: at least so many, and at least BUDGET_SAMPLES_MIN, whatever the target
  * @max:       configured N (the choice never exceeds it)
- * Returns N in [BUDGET_SAMPLES_MIN, max]; 0 if not even the minimum fits the ceiling. Pure.
+ * Returns N, or 0 if no power of two in [min, max] fits the ceiling. Pure.
  */
 uint32_t budget_samples(const struct budget_cost *cost, int64_t target_ns, int64_t ceiling_ns,
-			uint32_t max);
+			uint32_t min, uint32_t max);
 
 #endif

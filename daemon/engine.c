@@ -139,7 +139,8 @@ static int choose_size(const struct config *cfg, struct mc *mc, config_int most,
 	if (err) {
 		return err;
 	}
-	ret->samples = budget_samples(&ret->cost, target_ns, limit_ns, (uint32_t)most);
+	ret->samples = budget_samples(&ret->cost, target_ns, limit_ns,
+				      (uint32_t)cfg->decision_samples_min, (uint32_t)most);
 	return ret->samples ? 0 : -ETIMEDOUT;
 }
 
@@ -182,8 +183,10 @@ int engine_open_live(const struct config *cfg, struct engine *ret, char *err, in
 	err[0] = '\0';
 	if (status == -ETIMEDOUT) {
 		snprintf(err, (size_t)err_len,
-			 "the cpu backend does not run %u samples within mc.budget = %g ms",
-			 BUDGET_SAMPLES_MIN, cfg->mc_budget);
+			 "no power of two from decision.samples_min = %u to mc.samples = %u "
+			 "samples runs within mc.budget = %g ms on the CPU",
+			 (unsigned int)cfg->decision_samples_min, (unsigned int)cfg->mc_samples,
+			 cfg->mc_budget);
 	} else if (status) {
 		snprintf(err, (size_t)err_len, "cannot open the cpu backend: %s",
 			 strerror(-status));

@@ -38,8 +38,8 @@ struct engine {
  * engine_open_live - open the CPU and, unless the CPU was asked for, the GPU, each with a worker, and time both
  * The samples of an evaluation are as many as mc.target allows, mc.samples or mc.samples_cuda at most.
  * Without a GPU that was asked for, or with one that fails, mc is the CPU and faults says why; `auto` on a machine without
- * one is no fault. Allocates; blocks. 0 or -errno (-ETIMEDOUT: the CPU is too slow for the fewest samples within
- * mc.budget); @err is empty or one line, also a warning where 0 is returned.
+ * one is no fault. Allocates; blocks. 0 or -errno (-ETIMEDOUT: the CPU does not run decision.samples_min samples
+ * within mc.budget); @err is empty or one line, also a warning where 0 is returned.
  */
 int engine_open_live(const struct config *cfg, struct engine *ret, char *err, int err_len);
 

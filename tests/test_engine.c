@@ -108,12 +108,13 @@ static void test_size_is_chosen(void **state)
 {
 	static const struct {
 		double target_ms;
-		int64_t most;
+		int64_t least, most;
 		uint32_t samples;
 	} row[] = {
-		{530, 512, 512},    /* the target is met by far */
-		{530, 1000, 512},   /* a power of two */
-		{1e-3, 16384, 256}, /* no target is met: the fewest */
+		{530, 1, 512, 512},      /* the target is met by far */
+		{530, 1, 1000, 512},     /* a power of two */
+		{1e-3, 1, 16384, 256},   /* no target is met: the fewest that are measured */
+		{1e-3, 700, 16384, 1024} /* or that are evidence */
 	};
 
 	(void)state;
@@ -124,6 +125,7 @@ static void test_size_is_chosen(void **state)
 
 		config_defaults(&cfg);
 		cfg.mc_backend = CPU;
+		cfg.decision_samples_min = row[i].least;
 		cfg.mc_samples = row[i].most;
 		cfg.mc_target = row[i].target_ms;
 		cfg.mc_budget = 100000;
@@ -147,7 +149,7 @@ static void test_too_slow_for_the_budget(void **state)
 	cfg.mc_samples = 256;
 	cfg.mc_budget = 1e-6; /* 1 ns */
 	assert_int_equal(engine_open_live(&cfg, &e, err, sizeof(err)), -ETIMEDOUT);
-	assert_non_null(strstr(err, "does not run 256 samples within mc.budget"));
+	assert_non_null(strstr(err, "from decision.samples_min = 256 to mc.samples = 256 samples"));
 }
 
 int main(void)

@@ -166,9 +166,13 @@ FORCE:
 # RUN_FLAGS=--strict fails on a skip that this machine could run (CI).
 RUN_FLAGS  ?=
 SCRIPTS    := $(sort $(filter-out tests/tap.sh tests/deb.sh,$(wildcard tests/*.sh)))
+# What test programs need of the tools beyond what they include.
+INPUTS_OBJ := $(call obj,$(filter-out tools/inputs.c,$(wildcard tools/inputs_*.c)) tools/stretch.c tools/census.c)
+$(O)/tests/test_inputs: $(INPUTS_OBJ)
+$(O)/tests/test_fuzz: $(INPUTS_OBJ) $(call obj,$(wildcard tools/mapper_*.c))
 $(O)/tests/%: $(O)/tests/%.o $(LIBD) $(LIBMC)
 	$(call say,LD,$@)
-	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ -lcmocka $(LDLIBS)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $(filter %.o,$^) $(filter %.a,$^) -lcmocka $(LDLIBS)
 
 # On a machine with a GPU: everything about the CUDA backend, with gcc, make and nvcc alone. Log: $(O)/gpu/record.txt.
 GPU_TESTS := $(patsubst tests/gpu/%.c,$(O)/tests/gpu/%,$(wildcard tests/gpu/*.c))
@@ -216,6 +220,14 @@ run-covered: tests
 run-mutants: tests
 	$(Q)O=$(O) CC='$(CC) $(CFLAGS_ALL)' LIBS='$(LDFLAGS_ALL) -lcmocka $(LDLIBS)' SAMPLE=$(SAMPLE) \
 		tests/run $(RUN_FLAGS) --log $(O)/log tests/mutate
+
+# Hostile files by the million: DBCs, configurations, logs, mutated and read under the sanitizers.
+FUZZ_INPUTS := 1000000
+.PHONY: fuzz
+fuzz: deps-check
+	+$(Q)$(SUB) O=build/asan OPT='-O1 -g' SAN=address,undefined build/asan/tests/test_dbc_fuzz build/asan/tests/test_fuzz
+	$(Q)FUZZ_INPUTS=$$(($(FUZZ_INPUTS) / 2)) build/asan/tests/test_dbc_fuzz
+	$(Q)FUZZ_INPUTS=$$(($(FUZZ_INPUTS) / 2)) build/asan/tests/test_fuzz
 
 # 64-bit Arm: cross-built, run under emulation; tests compare results with the same known answers, bit for bit.
 ARM := aarch64-linux-gnu

@@ -3,26 +3,10 @@
  * line; what loads packs and unpacks within its frame. Meant for the sanitizers.
  */
 #include <errno.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <cmocka.h>
 #include "codec.h"
+#include "fuzz.h"
 
-#define MUTANTS_PER_FILE 7000
-#define TEXT_MAX         (1 << 16)
-
-static uint64_t seed = 20240601;
-
-static uint32_t pick(uint32_t n)
-{
-	seed = seed * 6364136223846793005u + 1442695040888963407u;
-	return (uint32_t)((seed >> 33) % n);
-}
+#define MUTANTS 21000 /* of all files */
 
 /* What a DBC is made of, and what it should not be. */
 static const char *const pieces[] = {
@@ -64,53 +48,6 @@ static const char *const pieces[] = {
 	"E2EDataIDList",
 };
 
-static size_t read_text(const char *path, char *text)
-{
-	FILE *f = fopen(path, "r");
-	assert_non_null(f);
-	size_t n = fread(text, 1, TEXT_MAX / 2, f);
-	assert_true(feof(f));
-	fclose(f);
-	return n;
-}
-
-/* Replaces @old bytes at @at by @new ones. */
-static size_t splice(char *text, size_t len, size_t at, size_t old, const char *bytes, size_t new)
-{
-	memmove(text + at + new, text + at + old, len - at - old);
-	memcpy(text + at, bytes, new);
-	return len - old + new;
-}
-
-static size_t mutate(char *text, size_t len)
-{
-	char copy[64];
-	size_t at = pick((uint32_t)len), rest = len - at;
-	size_t some = 1 + pick(rest < sizeof(copy) ? (uint32_t)rest : sizeof(copy));
-	some = some < rest ? some : rest;
-	const char *piece = pieces[pick(sizeof(pieces) / sizeof(pieces[0]))];
-	switch (pick(6)) {
-	case 0: /* flip a bit */
-		text[at] ^= (char)(1 << pick(8));
-		return len;
-	case 1: /* another digit, where there is one nearby */
-		at += strcspn(text + at, "0123456789");
-		if (at < len) {
-			text[at] = (char)('0' + pick(10));
-		}
-		return len;
-	case 2: /* remove */
-		return splice(text, len, at, some, "", 0);
-	case 3: /* repeat elsewhere */
-		memcpy(copy, text + at, some);
-		return splice(text, len, pick((uint32_t)len), 0, copy, some);
-	case 4: /* insert or replace by a piece */
-		return splice(text, len, at, pick(2) ? some : 0, piece, strlen(piece));
-	default: /* cut off */
-		return pick(8) ? len : at + 1;
-	}
-}
-
 /* All signals of a message through a buffer of just its size. */
 static void exercise(const struct dbc_message *m)
 {
@@ -149,29 +86,28 @@ static int try(const char *text, size_t len)
 
 static void mutants_load_or_are_refused(void **state)
 {
-	const char *path = *state;
-	char *whole = malloc(TEXT_MAX), *text = malloc(TEXT_MAX);
+	static struct fuzz z = {20240601, pieces, sizeof(pieces) / sizeof(pieces[0])};
+	const uint32_t mutants = fuzz_inputs(MUTANTS, 3);
+	char *whole = malloc(FUZZ_TEXT_MAX), *text = malloc(FUZZ_TEXT_MAX);
+	uint32_t loaded = 0;
+
 	assert_non_null(whole);
 	assert_non_null(text);
-	size_t whole_len = read_text(path, whole);
-	unsigned loaded = 0;
-	for (int i = 0; i < MUTANTS_PER_FILE; i++) {
+	size_t whole_len = fuzz_read(*state, whole);
+	for (uint32_t i = 0; i < mutants; i++) {
 		memcpy(text, whole, whole_len);
-		size_t len = whole_len;
-		for (uint32_t k = 1 + pick(4); k && len; k--) {
-			text[len] = 0;
-			len = mutate(text, len);
-		}
+		size_t len = fuzz_mutate(&z, text, whole_len, 4);
 		char *exact =
 			malloc(len ? len : 1); /* so that a sanitizer sees any read past the end */
 		assert_non_null(exact);
 		memcpy(exact, text, len);
-		loaded += (unsigned)try(exact, len);
+		loaded += (uint32_t)try(exact, len);
 		free(exact);
 	}
 	free(whole);
 	free(text);
-	assert_in_range(loaded, MUTANTS_PER_FILE / 10, MUTANTS_PER_FILE * 9 / 10);
+	print_message("# %u DBC files: %u loaded, %u refused\n", mutants, loaded, mutants - loaded);
+	assert_in_range(loaded, mutants / 10, mutants * 9 / 10);
 }
 
 int main(void)

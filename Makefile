@@ -174,6 +174,11 @@ $(O)/tests/%: $(O)/tests/%.o $(LIBD) $(LIBMC)
 	$(call say,LD,$@)
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $(filter %.o,$^) $(filter %.a,$^) -lcmocka $(LDLIBS)
 
+# A drive made up for the tracer, beside the provider that it loads.
+$(O)/made-up-trace: $(O)/tests/trace/made_up.o $(LIBD) $(LIBMC)
+	$(call say,LD,$@)
+	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^ $(LDLIBS)
+
 # On a machine with a GPU: everything about the CUDA backend, with gcc, make and nvcc alone. Log: $(O)/gpu/record.txt.
 GPU_TESTS := $(patsubst tests/gpu/%.c,$(O)/tests/gpu/%,$(wildcard tests/gpu/*.c))
 $(O)/tests/gpu/faults: $(O)/kernels/mc_cuda_faults.cu.o
@@ -185,7 +190,7 @@ check-gpu: all $(GPU_TESTS)
 	$(Q)O=$(O) tests/gpu/check.sh
 
 .PHONY: check check-unit check-san check-clang check-arm64 check-system check-coverage check-mutants tests
-tests: $(TESTS)
+tests: $(TESTS) $(O)/made-up-trace
 check: deps-check all tests
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log $(TESTS) $(SCRIPTS)
 # Tests alone, with what stands before each program (an emulator) and scripts chosen by the caller. STATISTICS repeat a

@@ -200,6 +200,40 @@ static void test_own_echo_confirms_and_is_not_input(void **state)
 	assert_int_equal(bus_rx_events(&rx), 0);
 }
 
+/* Only the very frame that was sent, and only its first echo. */
+static void test_expected_echo(void **state)
+{
+	struct bus_rx rx;
+	struct bus_frame f, sent = {.id = 0x2A0, .len = 8, .data = {1, 2, 3, 4, 5, 6, 7, 8}};
+	int64_t seen_ns;
+
+	(void)state;
+	reset(&rx, 0);
+	inject.frame.can_id = 0x2A0;
+	inject.flags = MSG_DONTROUTE | MSG_CONFIRM;
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(rx.expected_ns, 0); /* nothing is expected yet */
+	bus_rx_expect(&rx, &sent);
+	inject.frame.data[1] = 9;
+	assert_int_equal(read_one(&rx, &f), 0);
+	inject.frame.data[1] = 2;
+	inject.frame.can_id = 0x2A1;
+	assert_int_equal(read_one(&rx, &f), 0);
+	inject.frame.can_id = 0x2A0;
+	inject.flags = MSG_DONTROUTE; /* another socket of this host */
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(rx.expected_ns, 0);
+	inject.flags |= MSG_CONFIRM;
+	assert_int_equal(read_one(&rx, &f), 0);
+	seen_ns = rx.expected_ns;
+	assert_true(seen_ns > 0);
+	inject.stamp_ns = real_ns();
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_true(rx.expected_ns == seen_ns);
+	bus_rx_expect(&rx, &sent);
+	assert_int_equal(rx.expected_ns, 0);
+}
+
 static void test_foreign_sender_on_our_id(void **state)
 {
 	struct bus_rx rx;
@@ -433,6 +467,7 @@ int main(void)
 		cmocka_unit_test(test_age_is_realtime_minus_stamp),
 		cmocka_unit_test(test_incredible_stamps_fall_back_to_receipt),
 		cmocka_unit_test(test_own_echo_confirms_and_is_not_input),
+		cmocka_unit_test(test_expected_echo),
 		cmocka_unit_test(test_foreign_sender_on_our_id),
 		cmocka_unit_test(test_local_frames_only_where_allowed),
 		cmocka_unit_test(test_error_frames_become_events),

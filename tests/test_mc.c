@@ -185,6 +185,79 @@ static void test_refused(void **arg)
 	}
 }
 
+/* ---- a watch ---------------------------------------------------------------------------------------- */
+
+static struct seen {
+	pthread_t thread;
+	int hellos, edges;
+	enum mc_edge edge[8];
+	uint64_t id[8];
+} seen;
+
+static void on_hello(const void *arg)
+{
+	assert_ptr_equal(arg, &seen);
+	seen.thread = pthread_self();
+	seen.hellos++;
+}
+
+static void on_edge(const void *arg, enum mc_edge e, uint64_t id)
+{
+	(void)arg;
+	seen.edge[seen.edges] = e;
+	seen.id[seen.edges++] = id;
+}
+
+static const struct mc_watch watch = {on_hello, on_edge, &seen};
+
+/* In the thread that runs the batches, before the first of them. */
+static void test_watch(void **arg)
+{
+	struct mc *mc = opened(kind(arg));
+	struct mc_result res;
+
+	seen = (struct seen){0};
+	assert_int_equal(mc_watch(mc, &watch), 0);
+	assert_int_equal(seen.hellos, 1);
+	assert_true(pthread_equal(seen.thread, (pthread_t)mc_thread(mc)));
+	assert_int_equal(seen.edges, 0);
+	assert_int_equal(submit(mc, 3, RUN_GOOD), 0);
+	assert_int_equal(fetch(mc, &res), 1);
+	mc_close(mc);
+	assert_int_equal(seen.edges, 2);
+	assert_int_equal(seen.edge[0], MC_EDGE_TAKEN);
+	assert_int_equal(seen.edge[1], MC_EDGE_DONE);
+	assert_int_equal(seen.id[0], 3);
+	assert_int_equal(seen.id[1], 3);
+}
+
+static void test_watch_inline(void **arg)
+{
+	struct mc *mc = opened(MC_INLINE);
+
+	(void)arg;
+	seen = (struct seen){0};
+	assert_int_equal(mc_watch(mc, &watch), 0);
+	assert_int_equal(seen.hellos, 1);
+	assert_int_equal(submit(mc, 4, RUN_FAILING), 0);
+	assert_int_equal(seen.edges, 2);
+	assert_int_equal(seen.edge[1], MC_EDGE_DONE); /* also of a batch that failed */
+	mc_close(mc);
+}
+
+/* A worker deep in a batch says no hello in time. */
+static void test_watch_of_a_busy_worker(void **arg)
+{
+	struct mc *mc = opened(kind(arg));
+
+	seen = (struct seen){0};
+	assert_int_equal(submit(mc, 1, RUN_UNTIL_CUT), 0);
+	sem_wait(&fake->started);
+	assert_int_equal(mc_watch(mc, &watch), -ETIMEDOUT);
+	mc_cut(mc, 1);
+	mc_close(mc);
+}
+
 static void test_inline(void **arg)
 {
 	struct mc *mc = opened(MC_INLINE);
@@ -399,6 +472,9 @@ int main(void)
 		cmocka_unit_test(test_worker_fails),
 		cmocka_unit_test(test_refused),
 		cmocka_unit_test(test_inline),
+		cmocka_unit_test(test_watch_inline),
+		WITH_WORKER(test_watch),
+		WITH_WORKER(test_watch_of_a_busy_worker),
 		WITH_WORKER(test_worker),
 		WITH_WORKER(test_signals),
 		WITH_WORKER(test_newest_wins),

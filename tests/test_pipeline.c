@@ -64,6 +64,21 @@ static struct world {
 	struct bus bus;
 	struct mc *mc;
 	struct pipeline *p;
+	/* echo */
+	int64_t echo_ns; /* the expected frame was seen then; 0: not yet */
+	struct bus_frame expected;
+	/* tracer */
+	struct told {
+		int edges[EDGES], evaluations, clocks, published, faults, states;
+		uint64_t misses[MISSES];
+		char stage[16];           /* of the last stage miss */
+		uint64_t cycle;           /* of the last miss */
+		int64_t late_ns;          /* of the last miss */
+		struct hist hist[STAGES]; /* of the stages, from the edges as they were told */
+		uint64_t id;              /* the cycle that the edges below are of */
+		int64_t t_ns[EDGES];
+		struct trace_evaluation evaluation;
+	} told;
 } w;
 
 /* ---- a bus in memory, with the log's rules ----------------------------------------------------------- */
@@ -126,6 +141,25 @@ static int fake_watch(struct bus *b, int fd)
 	w.watched_fd = fd;
 	return 0;
 }
+
+static void fake_expect(struct bus *b, const struct bus_frame *f)
+{
+	(void)b;
+	w.expected = *f;
+	w.echo_ns = 0;
+}
+
+static int64_t fake_expected_ns(const struct bus *b)
+{
+	(void)b;
+	return w.echo_ns;
+}
+
+static const struct bus_ops echo_ops = {.name = "echo",
+					.recv = fake_recv,
+					.send = fake_send,
+					.expect = fake_expect,
+					.expected_ns = fake_expected_ns};
 
 static const struct bus_ops live_ops = {.name = "live",
 					.recv = fake_recv,
@@ -1278,6 +1312,268 @@ static void test_stage_miss(void **arg)
 	end();
 }
 
+/* ---- stages, misses and the tracer ------------------------------------------------------------------------------- */
+
+static void tell_edge(uint64_t cycle, enum edge e, int64_t t_ns)
+{
+	struct told *t = &w.told;
+
+	if (e == EDGE_INPUT) {
+		t->id = cycle;
+		memset(t->t_ns, 0, sizeof(t->t_ns));
+	}
+	t->edges[e]++;
+	if (cycle != t->id) {
+		return;
+	}
+	t->t_ns[e] = t_ns;
+	for (int s = 0; s < STAGES; s++) {
+		const int64_t ns = stage_table[s].to == e ? stage_ns((enum stage)s, t->t_ns) : -1;
+
+		if (ns >= 0) {
+			hist_add(&t->hist[s], ns);
+		}
+	}
+}
+
+static void tell_miss(uint64_t cycle, const char *kind, const char *stage, uint64_t count,
+		      int64_t late_ns)
+{
+	for (int k = 0; k < MISSES; k++) {
+		w.told.misses[k] += strcmp(kind, miss_name[k]) ? 0 : count;
+	}
+	if (!strcmp(kind, "stage")) {
+		snprintf(w.told.stage, sizeof(w.told.stage), "%s", stage);
+	}
+	w.told.cycle = cycle;
+	w.told.late_ns = late_ns;
+}
+
+static void tell_fault(const char *reason, int on)
+{
+	(void)reason;
+	w.told.faults += on;
+}
+
+static void tell_state(const char *from, const char *to)
+{
+	assert_string_not_equal(from, to);
+	w.told.states++;
+}
+
+static void tell_evaluation(const struct trace_evaluation *e)
+{
+	w.told.evaluations++;
+	w.told.evaluation = *e;
+}
+
+static void tell_clock(const struct trace_clock *c)
+{
+	assert_int_equal(c->period_ns, PERIOD);
+	assert_int_equal(c->live, 0);
+	assert_int_equal(c->mono_ns, w.now_ns);
+	w.told.clocks++;
+}
+
+static void tell_published(uint64_t n, int64_t due_ns, int64_t late_ns, int missed)
+{
+	assert_int_equal(n, ++w.told.published);
+	assert_int_equal((due_ns - T0) % PERIOD, 0);
+	assert_int_equal(due_ns + late_ns, w.now_ns);
+	assert_int_equal(missed, late_ns > PERIOD / 4);
+}
+
+static const struct trace_ops tell = {.edge = tell_edge,
+				      .miss = tell_miss,
+				      .fault = tell_fault,
+				      .state = tell_state,
+				      .evaluation = tell_evaluation,
+				      .clock = tell_clock,
+				      .published = tell_published};
+
+static void begin_traced(const struct bus_ops *ops, int worker, int64_t (*clock)(void))
+{
+	begin(ops, worker, clock);
+	struct pipeline_open o = options(clock);
+
+	o.trace = &tell;
+	reopen(&o);
+}
+
+/* What the tracer is told and what is counted without one are the same. */
+static void counts_agree(void)
+{
+#ifdef TRACE_PROVIDERS
+	const struct pipeline_stats *s = pipeline_stats(w.p);
+	const uint64_t counted[MISSES] = {[MISS_STAGE] = s->stage_miss,
+					  [MISS_LATE] = s->late,
+					  [MISS_PERIOD] = s->period_miss,
+					  [MISS_SKIPPED] = s->skipped};
+
+	assert_memory_equal(w.told.misses, counted, sizeof(counted));
+	assert_memory_equal(w.told.hist, pipeline_hist(w.p), sizeof(w.told.hist));
+#endif
+}
+
+static void needs_trace(void)
+{
+#ifndef TRACE_PROVIDERS
+	print_message("# needs lttng: no tracer is built in, its events are compiled to nothing\n");
+	skip();
+#endif
+}
+
+static void test_a_drive_is_told(void **arg)
+{
+	(void)arg;
+	needs_trace();
+	begin_traced(&log_ops, 0, NULL);
+	run_scans(30);
+	dangerous_scene();
+	run_scans(60);
+	assert_int_equal(w.told.evaluations, 60);
+	assert_int_equal(w.told.edges[EDGE_INPUT], 60);
+	assert_int_equal(w.told.edges[EDGE_DECIDE], 60);
+	assert_int_equal(w.told.edges[EDGE_SEND], 59);
+	assert_int_equal(w.told.edges[EDGE_CONFIRM], 0);
+	assert_int_equal(w.told.clocks, 3);
+	assert_int_equal(w.told.published, (w.now_ns - T0) / PERIOD + 1);
+	assert_int_equal(w.told.faults, 1);
+	assert_int_equal(w.told.states, 2); /* armed, brake */
+	assert_int_equal(w.told.evaluation.cycle, 60);
+	assert_string_equal(w.told.evaluation.level, "full");
+	assert_string_equal(w.told.evaluation.state, "BRAKE");
+	assert_true(w.told.evaluation.p == 0.9 && w.told.evaluation.headway_m == 8);
+	counts_agree();
+	end();
+}
+
+/* The echo of the frame that carried the decision, not of any frame. */
+static void test_confirmed_by_its_echo(void **arg)
+{
+	(void)arg;
+	begin_traced(&echo_ops, 0, NULL);
+	run_scans(3);
+	assert_int_equal(w.cycle.t_ns[EDGE_CONFIRM], 0);
+	run_to(w.now_ns + PERIOD);
+	assert_int_equal(w.expected.id, 0x2A0);
+	assert_int_equal(raw(&w.expected, AEB_REQUEST_EVAL_ID), 3);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_TOTAL]), 0);
+	const int64_t sent_ns = w.expected.t_ns;
+
+	w.echo_ns = sent_ns + MS;
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_TOTAL]), 1);
+	assert_int_equal(hist_max_ns(&pipeline_hist(w.p)[STAGE_CONFIRM]), MS);
+	assert_int_equal(hist_max_ns(&pipeline_hist(w.p)[STAGE_TOTAL]),
+			 sent_ns + MS - (SCAN_0 + 2 * SCAN - 30 * MS));
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_TOTAL]), 1); /* once */
+	run_scans(4);
+	run_to(w.now_ns + PERIOD);
+	assert_int_equal(raw(&w.expected, AEB_REQUEST_EVAL_ID), 4);
+	w.echo_ns = w.expected.t_ns - MS; /* stamped by the kernel before send() returned */
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_TOTAL]), 2);
+	assert_int_equal(pipeline_stats(w.p)->stage_miss, 0);
+	counts_agree();
+	end();
+}
+
+static void test_end_to_end_miss(void **arg)
+{
+	(void)arg;
+	begin_traced(&echo_ops, 0, NULL);
+	run_scans(3);
+	run_to(w.now_ns + PERIOD);
+	w.echo_ns = SCAN_0 + 2 * SCAN - 30 * MS + 700 * MS + 1;
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_int_equal(pipeline_stats(w.p)->stage_misses[STAGE_TOTAL], 1);
+	assert_int_equal(pipeline_stats(w.p)->stage_miss, 1);
+	counts_agree();
+	end();
+}
+
+/* A request frame that the bus refused carries nothing. */
+static void test_refused_frame_sends_nothing(void **arg)
+{
+	(void)arg;
+	begin(&echo_ops, 0, NULL);
+	run_scans(3);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_SEND]), 2);
+	w.send_error = -ENOBUFS;
+	run_to(w.now_ns + PERIOD);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_SEND]), 2);
+	w.send_error = 0;
+	run_to(w.now_ns + PERIOD);
+	assert_int_equal(hist_count(&pipeline_hist(w.p)[STAGE_SEND]), 3);
+	end();
+}
+
+/* 600 ms of a stalled worker: one stage miss, one late result, the scans between it and the newest skipped. */
+static void test_stalled_worker(void **arg)
+{
+	(void)arg;
+	begin_traced(&log_ops, 1, NULL);
+	w.deaf = 1;
+	__atomic_store_n(&w.block, 1, __ATOMIC_RELEASE);
+	run_to(SCAN_0 + 600 * MS);
+	__atomic_store_n(&w.block, 0, __ATOMIC_RELEASE);
+	let_one_pass();
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_int_equal(pipeline_stats(w.p)->stage_miss, 1);
+	assert_int_equal(pipeline_stats(w.p)->stage_misses[STAGE_MC], 1);
+	assert_int_equal(pipeline_stats(w.p)->late, 1);
+	assert_in_range(pipeline_stats(w.p)->skipped, 10, 12);
+	assert_int_equal(pipeline_stats(w.p)->period_miss, 0);
+#ifdef TRACE_PROVIDERS
+	assert_string_equal(w.told.stage, "mc");
+#endif
+	counts_agree();
+	end();
+}
+
+static void test_missed_periods_are_told(void **arg)
+{
+	(void)arg;
+	needs_trace();
+	begin_traced(&live_ops, 0, NULL);
+	run_scans(5);
+	run_to(SCAN_0 + 4 * SCAN + 15 * MS);
+	w.oversleep_ns = 580 * MS;
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_in_range(w.told.misses[MISS_PERIOD], 28, 30);
+	run_to(w.now_ns + 300 * MS);
+	counts_agree();
+	end();
+}
+
+static void test_timing_says_which_stage(void **arg)
+{
+	uint64_t misses = 0, max = 0;
+
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	w.scene.oldest_input_ns = 121 * MS;
+	run_scans(20);
+	for (int i = 0; i < w.n_out; i++) {
+		if (w.out[i].id != 0x2A0u + PUBLISH_TIMING) {
+			continue;
+		}
+		if (raw(&w.out[i], AEB_TIMING_PAGE) == AEB_TIMING_PAGE_MISSES_BY_STAGE) {
+			misses = raw(&w.out[i], AEB_TIMING_INPUT_MISSES);
+			assert_int_equal(raw(&w.out[i], AEB_TIMING_MC_MISSES), 0);
+		} else if (raw(&w.out[i], AEB_TIMING_PAGE) == AEB_TIMING_PAGE_LONGEST) {
+			max = raw(&w.out[i], AEB_TIMING_INPUT_MAX);
+			assert_int_equal(raw(&w.out[i], AEB_TIMING_MC_MAX),
+					 AEB_TIMING_MC_MAX_NOT_AVAILABLE); /* a log's time */
+		}
+	}
+	assert_true(misses > 5);
+	assert_int_equal(max, 121);
+	end();
+}
+
 /* ---- ends --------------------------------------------------------------------------------------------------------- */
 
 static void test_end_of_log(void **arg)
@@ -1395,6 +1691,13 @@ int main(void)
 		cmocka_unit_test(test_no_clock_no_times),
 		cmocka_unit_test(test_clock_stamps_the_edges),
 		cmocka_unit_test(test_stage_miss),
+		cmocka_unit_test(test_a_drive_is_told),
+		cmocka_unit_test(test_confirmed_by_its_echo),
+		cmocka_unit_test(test_end_to_end_miss),
+		cmocka_unit_test(test_refused_frame_sends_nothing),
+		cmocka_unit_test(test_stalled_worker),
+		cmocka_unit_test(test_missed_periods_are_told),
+		cmocka_unit_test(test_timing_says_which_stage),
 		cmocka_unit_test(test_end_of_log),
 		cmocka_unit_test(test_bus_error),
 		cmocka_unit_test(test_open_error),

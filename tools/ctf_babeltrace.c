@@ -36,7 +36,8 @@ static void take_field(struct ctf_field *f, const bt_field *value)
 	} else if (t == BT_FIELD_CLASS_TYPE_DOUBLE_PRECISION_REAL) {
 		f->f = bt_field_real_double_precision_get_value(value);
 	} else if (t == BT_FIELD_CLASS_TYPE_STRING) {
-		f->text = bt_field_string_get_value(value);
+		/* an empty one may still show what its buffer held before */
+		f->text = bt_field_string_get_length(value) ? bt_field_string_get_value(value) : "";
 	}
 }
 

@@ -30,7 +30,7 @@ static const char style[] =
 	"table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}"
 	"th,td{text-align:right;padding:.18rem .5rem;border-bottom:1px solid var(--line)}"
 	"th{font-weight:600}th:first-child,td:first-child,td.what{text-align:left}"
-	"tr.sum td{font-weight:600}svg{max-width:100%;height:auto;display:block;margin:.6rem 0}"
+	"tr.sum td{font-weight:600}tr.part td{color:var(--faint)}svg{max-width:100%;height:auto;display:block;margin:.6rem 0}"
 	".wide{overflow-x:auto}";
 
 static double ms(int64_t ns)
@@ -73,6 +73,16 @@ static void figures(FILE *out, const struct report_stage *s)
 	cell_ms(out, s->max_ns);
 }
 
+static void sub_row(const struct report *r, int sub, FILE *out)
+{
+	if (r->sub[sub].n) {
+		fprintf(out, "<tr class=part><td>&emsp;%s</td>", report_sub_name[sub]);
+		figures(out, &r->sub[sub]);
+		fprintf(out, "<td></td><td></td><td class=what>%s</td></tr>\n",
+			report_sub_doc[sub]);
+	}
+}
+
 static void stage_table_html(const struct report *r, FILE *out)
 {
 	fputs("<h2>Where the time goes</h2><div class=wide><table><tr><th>stage "
@@ -92,13 +102,8 @@ static void stage_table_html(const struct report *r, FILE *out)
 			fputs("<td></td>", out);
 		}
 		fprintf(out, "<td class=what>%s</td></tr>\n", row->doc);
-	}
-	for (int s = 0; s < SUBS; s++) {
-		if (r->sub[s].n) {
-			fprintf(out, "<tr><td>&emsp;%s</td>", report_sub_name[s]);
-			figures(out, &r->sub[s]);
-			fprintf(out, "<td></td><td></td><td class=what>%s</td></tr>\n",
-				report_sub_doc[s]);
+		for (int k = 0; k < SUBS && s == STAGE_MC; k++) {
+			sub_row(r, k, out);
 		}
 	}
 	fputs("</table></div>\n", out);
@@ -285,7 +290,7 @@ static void worst(const struct report *r, FILE *out)
 		names[i] = name[i];
 	}
 	for (int s = 0; s < STAGE_DECISION; s++) {
-		key[s] = (struct svg_key){stage_colour[s], SVG_KEY_AREA, stage_table[s].name};
+		key[s] = (struct svg_key){stage_colour[s], SVG_KEY_DOT, stage_table[s].name};
 	}
 	p.x.max = ms(report_cycle_ns(r, r->worst[0]));
 	svg_round_out(&p.x);

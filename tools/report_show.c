@@ -55,6 +55,15 @@ static void head(const struct report *r, const char *dir, FILE *out)
 	}
 }
 
+static void show_sub(const struct report *r, int sub, FILE *out)
+{
+	if (r->sub[sub].n) {
+		fprintf(out, "  %-8s", report_sub_name[sub]);
+		show_figures(out, &r->sub[sub]);
+		fprintf(out, " %9s %6s  %s\n", "", "", report_sub_doc[sub]);
+	}
+}
+
 static void stages(const struct report *r, FILE *out)
 {
 	fprintf(out, "\n%-10s %8s %9s %9s %9s %9s %9s %9s %6s  %s\n", "stage [ms]", "n", "p50",
@@ -71,12 +80,8 @@ static void stages(const struct report *r, FILE *out)
 			fprintf(out, " %6s", "-");
 		}
 		fprintf(out, "  %s\n", row->doc);
-	}
-	for (int s = 0; s < SUBS; s++) {
-		if (r->sub[s].n) {
-			fprintf(out, "  %-8s", report_sub_name[s]);
-			show_figures(out, &r->sub[s]);
-			fprintf(out, " %9s %6s  %s\n", "", "", report_sub_doc[s]);
+		for (int k = 0; k < SUBS && s == STAGE_MC; k++) {
+			show_sub(r, k, out);
 		}
 	}
 }
@@ -91,7 +96,7 @@ static void headroom(const struct report *r, FILE *out)
 		const struct report_stage *s = &r->stage[judged[i]];
 
 		if (s->n) {
-			fprintf(out, "%s%s: longest %.3f ms of %.0f ms, %.2g %%", i ? "; " : "",
+			fprintf(out, "%s%s: longest %.3f ms of %.0f ms, %.3g %%", i ? "; " : "",
 				row->name, ms(s->max_ns), ms(row->budget_ns),
 				100 * (double)s->max_ns / (double)row->budget_ns);
 		}

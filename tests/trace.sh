@@ -1,0 +1,95 @@
+#!/bin/sh
+# aebmc trace and report against a tracer: a made-up drive of which every figure is known, a flight recorder's snapshot, a
+# replay, and frames that recording does not change. TAP.
+# shellcheck source=tests/tap.sh
+. "$(dirname "$0")/tap.sh"
+conf=can-dbc/vehicles/generic.conf
+TMP=$tmp
+
+refuses 2 "$AEBMC" trace
+refuses 2 "$AEBMC" trace begin
+refuses 2 "$AEBMC" trace start stop
+refuses 2 "$AEBMC" report
+refuses 2 "$AEBMC" report a b
+if ! command -v lttng-sessiond >/dev/null || [ ! -e "$O/trace-lttng.so" ]; then
+	skip "aebmc trace and report" lttng-tools
+	done_testing
+	exit
+fi
+refuses 1 "$AEBMC" report "$tmp"
+like "a folder without a trace" "$tmp/err" 'no trace in this folder'
+mkdir "$tmp/bad" && echo nonsense >"$tmp/bad/metadata"
+refuses 1 "$AEBMC" report "$tmp/bad"
+like "a trace that is none" "$tmp/err" 'not a readable trace'
+exits "a provider that is not there" 1 "$O/aebmcd" --config $conf --set trace.provider=nvtx --log /dev/null
+
+# A session daemon of our own, unless one runs.
+export LTTNG_HOME="$tmp"
+if ! lttng list >/dev/null 2>&1; then
+	lttng-sessiond >"$tmp/sessiond" 2>&1 &
+	sessiond=$!
+	trap 'kill $sessiond; wait $sessiond 2>/dev/null; rm -rf "$TMP"' EXIT
+	until lttng list >/dev/null 2>&1; do sleep 0.1; done
+fi
+
+# ---- a made-up drive
+ok "trace start" "$AEBMC" trace start --out "$tmp/drive"
+ok "a drive" "$O/made-up-trace"
+cp "$tmp/out" "$tmp/status.json"
+exits "a second session is refused" 1 "$AEBMC" trace start --out "$tmp/second"
+ok "trace stop" "$AEBMC" trace stop
+ok "report" "$AEBMC" report "$tmp/drive" --html "$tmp/report.html"
+like "in words: the stage over its budget" "$tmp/out" '^mc +989 .* 530\.000 +1 '
+like "in words: the longest" "$tmp/out" '^mc: longest 600\.000 ms of 530 ms'
+like "in words: the bursts" "$tmp/out" '^period +29 .* 1 +29 '
+like "in words: it adds up" "$tmp/out" ' 29 missed = 2500, due .*: 2500, adds up'
+like "in words: when and which" "$tmp/out" ' s  stage mc, 1 at cycle 400, 70\.000 ms over'
+like "in words: the worst first" "$tmp/out" '^400 .* 600\.000 .*late'
+ok "report --json" "$AEBMC" report "$tmp/drive" --json
+cp "$tmp/out" "$tmp/report.json"
+json "misses by kind" "$tmp/report.json" \
+	'{k: v["count"] for k, v in j["misses"].items()} == {"stage": 1, "late": 1, "period": 29, "skipped": 11}'
+json "their runs" "$tmp/report.json" '(j["misses"]["skipped"]["longest_run"] == 11 and j["misses"]["period"]["runs"] == 1 and
+	abs(j["misses"]["period"]["chance_after_one"] - 28 / 29) < 1e-12 and j["misses"]["late"]["chance_after_one"] == 0)'
+json "the right stage and cycle" "$tmp/report.json" \
+	'[m for m in j["missed"] if m["kind"] == "stage"][0].items() >= {"stage": "mc", "cycle": 400, "count": 1, "late_ms": 70}.items()'
+json "the worst, stage by stage" "$tmp/report.json" '(len(j["worst"]) == 10 and j["worst"][0]["cycle"] == 400 and
+	j["worst"][0]["mc"] == 600 and j["worst"][0]["late"] and j["worst"][0]["total"] is None and j["worst"][1]["total"] > 0)'
+json "within a batch" "$tmp/report.json" '(all(j["batch"][k]["n"] == 989 for k in ("wake", "batch", "gpu", "verify", "back")) and
+	abs(j["batch"]["gpu"]["max_ms"] - 300) < 1e-3 and abs(j["batch"]["batch"]["max_ms"] - 480) < 1e-3)'
+json "all frames are accounted for" "$tmp/report.json" '(j["request_frames"] == {"period_ms": 20, "in_time": 2471, "missed": 29,
+	"due": 2500, "adds_up": True} and j["events_lost"] == 0 and j["events_unknown"] == 0 and not j["replay"])'
+json "the daemon's histograms agree" "$tmp/report.json" "(lambda s: all(
+	s[k]['n'] == v['n'] and s[k].get('misses') == v.get('misses') and s[k]['max_ms'] == v['max_ms'] and
+	all(v[p] <= s[k][p] <= v[p] * 17 / 16 + 0.001025 for p in ('p50_ms', 'p95_ms', 'p99_ms', 'p99_9_ms'))
+	for k, v in j['stages'].items()) and sorted(s) == sorted(j['stages']))(json.load(open('$tmp/status.json'))['stages'])"
+is "the page names no other address" "$(grep -cE '(src|href)=|url\(|@import|https?://[^w]' "$tmp/report.html")" 0
+like "the page has the pictures" "$tmp/report.html" 'cycle 400, late'
+exits "the page into nowhere" 1 "$AEBMC" report "$tmp/drive" --html /dev/full
+
+# ---- a flight recorder
+ok "trace on-miss" "$AEBMC" trace on-miss --out "$tmp/snap"
+"$O/made-up-trace" 2 >/dev/null
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+	find "$tmp/snap" -name metadata 2>/dev/null | grep -q . && break
+	sleep 0.3
+done
+ok "trace stop" "$AEBMC" trace stop
+ok "a snapshot was saved" "$AEBMC" report "$tmp/snap" --json
+json "with the cycle that missed" "$tmp/out" \
+	'any(m["kind"] == "stage" and m["cycle"] == 400 for m in j["missed"]) and j["worst"][0]["cycle"] == 400'
+
+# ---- a replay
+"$AEBMC" generate --drive brake --out "$tmp/brake.log"
+"$O/aebmcd" --config $conf --log "$tmp/brake.log" --out "$tmp/plain.log" 2>/dev/null
+ok "recorded" "$AEBMC" trace start --out "$tmp/replay"
+ok "a replay" "$O/aebmcd" --config $conf --set trace.provider=lttng --log "$tmp/brake.log" --out "$tmp/traced.log"
+ok "trace stop" "$AEBMC" trace stop
+ok "recording changes no frame" cmp "$tmp/plain.log" "$tmp/traced.log"
+ok "its report" "$AEBMC" report "$tmp/replay" --json
+json "says that it is one" "$tmp/out" '(j["replay"] and j["cycles"] == 463 and j["stages"]["total"]["n"] == 0 and
+	j["stages"]["mc"]["p50_ms"] > 0.05 and len(j["evaluations"]) == 463 and j["request_frames"]["adds_up"])'
+json "with the risk" "$tmp/out" 'max(e["p"] for e in j["evaluations"]) > 0.9 and {e["level"] for e in j["evaluations"]} >= {"none", "full"}'
+exits "nothing to stop" 1 "$AEBMC" trace stop
+PATH=/nonexistent exits "without lttng" 77 "$AEBMC" trace start
+done_testing

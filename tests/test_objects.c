@@ -207,6 +207,38 @@ static void the_noise_of_each_object_is_its_own(void **state)
 	assert_true(p[1] > 4 * p[0]);
 }
 
+static void any_frame_is_survived(void **state)
+{
+	struct noise r = {.seed = 4};
+	struct bench b;
+	struct scene s;
+	int leads = 0;
+
+	(void)state;
+	open_bench(&b, "ars408");
+	cycles(&b, 10);
+	for (int i = 0; i < 100000; i++) {
+		const struct map_message *m =
+			&b.map->message[(int)(noise_uniform(&r) * b.map->n_messages)];
+		struct bus_frame f = {.id = m->msg->id, .len = m->msg->size};
+
+		b.t_ns += (int64_t)(noise_uniform(&r) * 4) * MS;
+		f.t_ns = b.t_ns;
+		for (int k = 0; k < f.len; k++) {
+			f.data[k] = (uint8_t)noise_bits(&r);
+		}
+		if (m->part != MAP_NO_PART) {
+			f.data[0] &= 7; /* few objects, so that numbers meet and lists end */
+		}
+		estimator_frame(b.e, &f);
+		estimator_scene(b.e, b.t_ns, &s);
+		drives_assert_sound(&s);
+		leads += s.lead_valid;
+	}
+	assert_in_range(leads, 1, 99999);
+	close_bench(&b);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -215,6 +247,7 @@ int main(void)
 		cmocka_unit_test(an_empty_road_is_no_fault_and_a_silent_radar_is),
 		cmocka_unit_test(what_is_announced_must_come),
 		cmocka_unit_test(the_noise_of_each_object_is_its_own),
+		cmocka_unit_test(any_frame_is_survived),
 	};
 
 	return cmocka_run_group_tests_name("objects", tests, NULL, NULL);

@@ -285,9 +285,18 @@ static void short_gaps_are_bridged(void **state)
 	add(&w, 40, 18, 0);
 	scans(&w, 10);
 	for (int i = 1; i <= 4; i++) {
+		const struct kalman before = tracker_lead(&w.t)->k;
+
 		w.car[0].hidden = 1;
 		assert_leads(&w, scan(&w), 0);
 		assert_int_equal(tracker_lead(&w.t)->missed, i);
+		/* the longer unseen, the less is known */
+		const struct kalman *k = &tracker_lead(&w.t)->k;
+
+		assert_true(k->p[SCENE_HEADWAY][SCENE_HEADWAY] >
+			    before.p[SCENE_HEADWAY][SCENE_HEADWAY]);
+		assert_true(k->p[SCENE_LEAD_SPEED][SCENE_LEAD_SPEED] >
+			    before.p[SCENE_LEAD_SPEED][SCENE_LEAD_SPEED]);
 	}
 	w.car[0].hidden = 0;
 	assert_leads(&w, scan(&w), 0);

@@ -1,0 +1,161 @@
+/* SPDX-License-Identifier: MIT
+ * decision, whatever comes: from any past of random scenes, results, faults and pedals what it says fits together, and it
+ * leads back to nothing once the danger is over.
+ */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+#include "clock.h"
+#include "decision.h"
+#include "fault.h"
+
+#define MS    CLOCK_NS_PER_MS
+#define START (100 * CLOCK_NS_PER_S)
+
+struct run {
+	struct config cfg;
+	struct scene scene;
+	struct decision_state st;
+	uint32_t fault;
+	int64_t now_ns;
+};
+
+static struct run fresh(void)
+{
+	struct run r = {.now_ns = START};
+
+	config_defaults(&r.cfg);
+	return r;
+}
+
+/* 20 m/s behind a lead at 15 m/s, 30 m ahead. */
+static struct scene approach(void)
+{
+	struct scene s = {
+		.ego_valid = 1, .lead_valid = 1, .lead_scans = 10, .x = {30, 20, 0, 15, 0}};
+
+	s.driver_brake = s.driver_accel = -1;
+	return s;
+}
+
+/* A result whose intervals are points. */
+static struct mc_result result(double defer, double driver, double nobody)
+{
+	const double p[FUTURES] = {[FUTURE_DEFER] = defer,
+				   [FUTURE_NOW] = defer,
+				   [FUTURE_DRIVER] = driver,
+				   [FUTURE_NOBODY] = nobody};
+	struct mc_result r = {.n = 16384, .n_futures = FUTURES};
+
+	for (int i = 0; i < FUTURES; i++) {
+		r.risk[i] = (struct mc_risk){.p = p[i], .lo = p[i], .hi = p[i]};
+	}
+	return r;
+}
+
+static struct decision step(struct run *r, const struct mc_result *res)
+{
+	struct decision d = decision_step(&r->cfg, res, &r->scene, r->fault, r->now_ns, &r->st);
+
+	r->now_ns += 50 * MS;
+	return d;
+}
+
+static uint64_t rng = 88172645463325252u;
+
+static double uniform(void)
+{
+	rng ^= rng << 13;
+	rng ^= rng >> 7;
+	rng ^= rng << 17;
+	return (double)(rng >> 11) * 0x1p-53;
+}
+
+static int one_in(int n)
+{
+	return uniform() * n < 1;
+}
+
+/* Anything at all: risks in any order, intervals of any width, no result, faults, no lead, any speeds and pedals. */
+static struct decision step_wild(struct run *r)
+{
+	struct mc_result res = result(uniform(), uniform(), uniform());
+
+	for (int i = 0; i < FUTURES; i++) {
+		res.risk[i].lo = one_in(50) ? NAN : res.risk[i].p * uniform();
+		res.risk[i].hi = one_in(50) ? NAN : res.risk[i].p + (1 - res.risk[i].p) * uniform();
+	}
+	res.n = one_in(10) ? 100 : 16384;
+	r->scene.lead_valid = !one_in(10);
+	r->scene.lead_scans = (uint32_t)(uniform() * 10);
+	r->scene.ego_valid = !one_in(20);
+	r->scene.driver_accel = one_in(10) - one_in(3);
+	r->scene.x[SCENE_EGO_SPEED] = one_in(5) ? uniform() : 80 * uniform();
+	r->scene.x[SCENE_LEAD_SPEED] = 40 * uniform();
+	r->scene.x[SCENE_HEADWAY] = 50 * uniform();
+	r->fault = one_in(5) ? 1u << (int)(uniform() * FAULTS) : 0;
+	return step(r, one_in(5) ? NULL : &res);
+}
+
+static void check_sane(const struct run *r, struct decision d, enum stage_level before)
+{
+	const double accel[LEVELS] = {0, 0, -4, -6};
+
+	assert_true(d.accel_mps2 == accel[d.level]);
+	assert_int_equal(d.level, r->st.level);
+	assert_int_equal(d.changed, d.level != before);
+	assert_true(before >= LEVEL_WARN || d.level <= LEVEL_WARN); /* a warning comes first */
+	if (fault_state(r->fault) > STATE_DEGRADED || !r->scene.ego_valid) {
+		assert_int_equal(d.level, LEVEL_NONE);
+	}
+	if (r->scene.driver_accel == 1) {
+		assert_true(d.level <= LEVEL_WARN);
+	}
+}
+
+/* Whatever happened before: when the danger is over, whichever way, everything is released within the hold, the calm
+ * evaluations and decision.release_max. */
+static void test_never_stuck(void **arg)
+{
+	(void)arg;
+	for (int trial = 0; trial < 3000; trial++) {
+		struct run r = fresh();
+		const int way = trial % 4, n = 1 + (int)(uniform() * 40);
+		struct decision d = {0};
+
+		r.cfg.decision_partial = trial / 4 % 2;
+		r.cfg.decision_brake_evals = 1 + trial / 8 % 3;
+		for (int i = 0; i < n; i++) {
+			const enum stage_level before = r.st.level;
+
+			d = step_wild(&r);
+			check_sane(&r, d, before);
+		}
+		r.scene = approach();
+		r.scene.lead_valid = way != 0;
+		r.scene.x[SCENE_EGO_SPEED] = way == 1 ? 0 : 20;
+		r.scene.x[SCENE_LEAD_SPEED] = way == 2 ? 15 : 20; /* still closing, from far away */
+		r.fault = way == 3 && one_in(2) ? FAULT_BIT(MC_ERROR) : 0;
+		for (int i = 0; i < 42; i++) {
+			const double p = way == 1; /* stands, whatever the risk */
+			const struct mc_result res = result(p, p, p);
+
+			d = step(&r, &res);
+		}
+		if (d.level != LEVEL_NONE || d.accel_mps2 != 0) {
+			fail_msg("trial %d: %s", trial, level_name[d.level]);
+		}
+	}
+}
+
+int main(void)
+{
+	const struct CMUnitTest tests[] = {
+		cmocka_unit_test(test_never_stuck),
+	};
+
+	return cmocka_run_group_tests(tests, NULL, NULL);
+}

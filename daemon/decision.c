@@ -105,12 +105,22 @@ static int may_fire(const struct config *cfg, const struct rule *r, const struct
 }
 
 /* Over when nobody needs to brake any more, or when the driver's braking would do easily again: in dense traffic some
- * risk of doing nothing for ten seconds never goes away. */
-static struct verdict by_risk(const struct config *cfg, const struct mc_result *res)
+ * risk of doing nothing for ten seconds never goes away. A request is not left to the driver where it has made the car so
+ * slow that none would follow: what is left of the speed ends in the lead. */
+static int is_over(const struct config *cfg, const struct mc_result *res, const struct scene *s,
+		   enum stage_level level)
 {
-	struct verdict v = {LEVEL_NONE, CAUSE_NONE,
-			    res->risk[FUTURE_NOBODY].hi < cfg->decision_p_release ||
-				    res->risk[FUTURE_DRIVER].hi < cfg->decision_p_release};
+	const int slow = s->x[SCENE_EGO_SPEED] < cfg->decision_release_speed;
+
+	return res->risk[FUTURE_NOBODY].hi < cfg->decision_p_release ||
+	       (res->risk[FUTURE_DRIVER].hi < cfg->decision_p_release &&
+		!(slow && level >= LEVEL_PARTIAL));
+}
+
+static struct verdict by_risk(const struct config *cfg, const struct mc_result *res,
+			      const struct scene *s, enum stage_level level)
+{
+	struct verdict v = {LEVEL_NONE, CAUSE_NONE, is_over(cfg, res, s, level)};
 
 	for (size_t i = 0; i < sizeof(rule_table) / sizeof(rule_table[0]); i++) {
 		if (fires(cfg, &rule_table[i], res)) {
@@ -157,14 +167,14 @@ static struct verdict by_ttc(const struct config *cfg, const struct scene *s)
 
 /* Losing sight is calm in the sense of release (the usual hold applies), never proof of safety. */
 static struct verdict judge(const struct config *cfg, const struct mc_result *res,
-			    const struct scene *s, uint32_t fault)
+			    const struct scene *s, uint32_t fault, enum stage_level level)
 {
 	if (!s->lead_valid) {
 		return (struct verdict){LEVEL_NONE, CAUSE_NO_LEAD, 1};
 	}
 	if (s->lead_scans >= cfg->radar_confirm_scans) {
 		if (res && res->n >= (uint64_t)cfg->decision_samples_min) {
-			return by_risk(cfg, res);
+			return by_risk(cfg, res, s, level);
 		}
 		if (fault_state(fault) == STATE_DEGRADED) {
 			return by_ttc(cfg, s);
@@ -273,7 +283,7 @@ struct decision decision_step(const struct config *cfg, const struct mc_result *
 			      struct decision_state *st)
 {
 	const double accel[LEVELS] = {0, 0, cfg->brake_accel_partial, cfg->brake_accel};
-	struct verdict v = judge(cfg, res, s, fault);
+	struct verdict v = judge(cfg, res, s, fault, st->level);
 	struct decision d;
 
 	count(st, &v, now_ns);

@@ -108,6 +108,22 @@ static void collect(struct pipeline *p)
 	}
 }
 
+/* Every future begins with what the ego does without us. While we ask for braking its deceleration is ours: nobody brakes
+ * means that ours ends, and a danger is over only when it would not come back then. */
+static struct scene without_us(const struct scene *s, enum stage_level level)
+{
+	struct scene own = *s;
+
+	if (level < LEVEL_PARTIAL) {
+		return own;
+	}
+	own.x[SCENE_EGO_ACCEL] = 0;
+	for (int i = 0; i < SCENE_DIM; i++) {
+		own.cov[SCENE_EGO_ACCEL][i] = own.cov[i][SCENE_EGO_ACCEL] = 0;
+	}
+	return own;
+}
+
 static void submit(struct pipeline *p)
 {
 	struct cycle *c = &p->cycle;
@@ -117,7 +133,10 @@ static void submit(struct pipeline *p)
 	pipeline_edge(p, EDGE_INPUT, p->now_ns - c->scene.oldest_input_ns);
 	pipeline_edge(p, EDGE_SCAN, c->scene.scan_ns);
 	pipeline_edge(p, EDGE_SCENE, pipeline_stamp(p));
-	err = pipeline_request(p->o.cfg, &c->scene, c->id, &c->req);
+
+	const struct scene own = without_us(&c->scene, p->dec.level);
+
+	err = pipeline_request(p->o.cfg, &own, c->id, &c->req);
 	c->req.n = p->stats.samples;
 	pipeline_edge(p, EDGE_SUBMIT, pipeline_stamp(p));
 	err = err ? err : mc_submit(p->mc, &c->req);

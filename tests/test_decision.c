@@ -36,6 +36,7 @@ static struct config defaults(void)
 		.decision_release_evals = 4,
 		.decision_release_closing = 0.3,
 		.decision_release_max = 2,
+		.decision_release_speed = 5.6,
 		.decision_samples_min = 256,
 		.decision_warn_evals = 1,
 		.decision_brake_evals = 1,
@@ -227,6 +228,33 @@ static void test_release_by_either_future(void **arg)
 			d = step_p(&r, 0, row[i].driver, row[i].nobody);
 		}
 		expect(d, row[i].releases ? LEVEL_NONE : LEVEL_WARN,
+		       row[i].releases ? CAUSE_RELEASED : CAUSE_HOLD);
+	}
+}
+
+/* Below decision.release_speed a request waits for P(nobody) alone; a warning does not. */
+static void test_slow_cars_are_held(void **arg)
+{
+	static const struct {
+		enum stage_level level;
+		double speed, nobody;
+		int releases;
+	} row[] = {
+		{LEVEL_FULL, 5.59, 0.4, 0},   {LEVEL_FULL, 5.6, 0.4, 1},
+		{LEVEL_FULL, 5.59, 0.04, 1},  {LEVEL_PARTIAL, 5.59, 0.4, 0},
+		{LEVEL_PARTIAL, 5.6, 0.4, 1}, {LEVEL_WARN, 5.59, 0.4, 1},
+	};
+
+	(void)arg;
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		struct run r = fresh(row[i].level);
+		struct decision d = {0};
+
+		r.scene.x[SCENE_EGO_SPEED] = r.scene.x[SCENE_LEAD_SPEED] = row[i].speed;
+		for (int k = 0; k < 20 && d.cause != CAUSE_RELEASED; k++) {
+			d = step_p(&r, 0, 0, row[i].nobody);
+		}
+		expect(d, row[i].releases ? LEVEL_NONE : row[i].level,
 		       row[i].releases ? CAUSE_RELEASED : CAUSE_HOLD);
 	}
 }
@@ -642,6 +670,7 @@ int main(void)
 		cmocka_unit_test(test_rule),
 		cmocka_unit_test(test_interval_ends),
 		cmocka_unit_test(test_release_by_either_future),
+		cmocka_unit_test(test_slow_cars_are_held),
 		cmocka_unit_test(test_nan_is_no_risk_and_no_safety),
 		cmocka_unit_test(test_warning_then_full_then_release),
 		cmocka_unit_test(test_partial_accel),

@@ -624,6 +624,29 @@ static void test_brakes_and_releases(void **arg)
 	end();
 }
 
+/* While we brake, futures begin with the ego's motion without us; the scene stays as it was measured. */
+static void test_futures_begin_without_our_braking(void **arg)
+{
+	const float *factor = w.cycle.req.factor;
+
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	run_scans(20);
+	dangerous_scene();
+	w.scene.x[SCENE_EGO_ACCEL] = -2;
+	w.scene.cov[SCENE_EGO_ACCEL][SCENE_EGO_SPEED] = 0.005;
+	w.scene.cov[SCENE_EGO_SPEED][SCENE_EGO_ACCEL] = 0.005;
+	run_scans(22);
+	assert_int_equal(w.cycle.dec.level, LEVEL_FULL);
+	assert_true(w.cycle.req.mean[MODEL_EGO_ACCEL] == -2 && factor[4] > 0 && factor[5] > 0);
+	run_scans(23);
+	assert_true(w.cycle.req.mean[MODEL_EGO_ACCEL] == 0);
+	assert_true(factor[3] == 0 && factor[4] == 0 && factor[5] == 0);
+	assert_true(w.cycle.scene.x[SCENE_EGO_ACCEL] == -2);
+	assert_true(w.cycle.scene.cov[SCENE_EGO_ACCEL][SCENE_EGO_ACCEL] == 0.01);
+	end();
+}
+
 static void test_no_lead_is_not_no_risk(void **arg)
 {
 	(void)arg;
@@ -1660,6 +1683,7 @@ int main(void)
 		cmocka_unit_test(test_one_evaluation_per_scan),
 		cmocka_unit_test(test_silence_ends_a_scan),
 		cmocka_unit_test(test_brakes_and_releases),
+		cmocka_unit_test(test_futures_begin_without_our_braking),
 		cmocka_unit_test(test_no_lead_is_not_no_risk),
 		cmocka_unit_test(test_radar_silence_inhibits),
 		cmocka_unit_test(test_input_fault_inhibits),

@@ -75,7 +75,7 @@ static int check(struct decode *d, int message, const struct bus_frame *f)
 enum decode_got decode_value(const struct map_signal *s, const struct dbc_message *msg,
 			     const uint8_t *data, double *si)
 {
-	if (!s->sig || !codec_present(msg, s->sig, data)) {
+	if (!codec_present(msg, s->sig, data)) {
 		return DECODE_ABSENT;
 	}
 	const uint64_t raw = codec_raw(s->sig, data);

@@ -36,6 +36,8 @@ static const char dbc[] =
 	" SG_ ID : 0|8@1+ (1,0) [0|255] \"\" X\n"
 	" SG_ DIST : 8|13@1+ (0.24,0) [0|600] \"m\" X\n"
 	" SG_ VREL : 24|12@1- (0.05,0) [-90|90] \"m/s\" X\n"
+	" SG_ STATE : 40|2@1+ (1,0) [0|1] \"\" X\n"
+	" SG_ NEW : 42|2@1+ (1,0) [0|1] \"\" X\n"
 	"BO_ 770 QUALITY: 3 RADAR\n"
 	" SG_ ID : 0|8@1+ (1,0) [0|255] \"\" X\n"
 	" SG_ DIST_RMS : 8|4@1+ (1,0) [0|15] \"\" X\n"
@@ -84,6 +86,8 @@ static const char list_conf[] =
 	"[signal quality_id]\nfrom = QUALITY.ID\n"
 	"[signal distance]\nfrom = OBJECT.DIST\n"
 	"[signal rel_speed]\nfrom = OBJECT.VREL\n"
+	"[signal valid]\nfrom = OBJECT.STATE\n"
+	"[signal fresh]\nfrom = OBJECT.NEW\n"
 	"[signal existence]\nfrom = QUALITY.PROB\ntable = 0 0.5 1\n"
 	"[signal distance_sigma]\nfrom = QUALITY.DIST_RMS\nunit = m\ntable = 0 0.01 0.5\nna = 15\n"
 	"[signal rate_sigma]\nfrom = QUALITY.VREL_RMS\nunit = m/s\ntable = 0 0.1 0.2\nna = 15\n";
@@ -93,7 +97,16 @@ enum { LIST_ID = 768, OBJECT_ID, QUALITY_ID };
 enum { EGO_ID = 0x100, WHEELS_ID = 0x101, FAR_ID = 0x200 | BUS_ID_EFF, NEAR_ID = 0x201 };
 
 static struct config cfg;
-static struct mapping *map, *plain, *list;
+/* One whose header does not count. */
+static const char start_conf[] = "[dbc]\nfile = test.dbc\n"
+				 "[bus]\ninterfaces = can0\n"
+				 "[signal ego_speed]\nfrom = WHEELS.A\n"
+				 "[signal scan_start]\nfrom = LIST.COUNT\n"
+				 "[signal object_id]\nfrom = OBJECT.ID\n"
+				 "[signal distance]\nfrom = OBJECT.DIST\n"
+				 "[signal rel_speed]\nfrom = OBJECT.VREL\n";
+
+static struct mapping *map, *plain, *list, *start;
 
 /* A receiver and a sender of the same car. */
 struct wire {
@@ -122,7 +135,7 @@ static int load(void **state)
 	conf_dir_open(dir);
 	conf_dir_write(dir, "test.dbc", dbc, sizeof(dbc) - 1, path);
 	const int bad = load_one(dir, conf, &map) || load_one(dir, plain_conf, &plain) ||
-			load_one(dir, list_conf, &list);
+			load_one(dir, list_conf, &list) || load_one(dir, start_conf, &start);
 
 	conf_dir_close(dir);
 	return bad;
@@ -134,6 +147,7 @@ static int unload(void **state)
 	config_mapping_free(map);
 	config_mapping_free(plain);
 	config_mapping_free(list);
+	config_mapping_free(start);
 	return 0;
 }
 
@@ -361,6 +375,36 @@ static void a_header_says_how_many(void **state)
 	assert_int_equal(l.out.part, MAP_HEADER);
 	assert_int_equal(l.out.count, 7);
 	assert_int_equal(l.out.track, -1);
+}
+
+static void or_does_not_say(void **state)
+{
+	struct wire l = open_wire_of(start);
+	struct bus_frame f;
+
+	(void)state;
+	encode_header(&l.e, 7, CLOCK_NS_PER_S, &f);
+	assert_int_equal(take(&l, f), 1);
+	assert_int_equal(l.out.part, MAP_HEADER);
+	assert_int_equal(l.out.count, -1);
+}
+
+static void an_object_in_an_unknown_state_is_none(void **state)
+{
+	struct wire l = open_wire_of(list);
+	const struct detection det = {.id = 1, .distance_m = 24};
+	const int m = mapping_find(list, 0, OBJECT_ID);
+	struct bus_frame f;
+
+	(void)state;
+	encode_message(&l.e, m, 0, NULL, &det, 0, &f);
+	for (uint32_t i = 1; i <= 2; i++) { /* neither 0 nor 1; nor is it known whether it is new */
+		f.data[5] = i == 1 ? 2 : 1 | 2 << 2;
+		assert_int_equal(take(&l, f), 1);
+		assert_int_equal(l.out.target, 0);
+		assert_int_equal(l.d.message[m].refused, i);
+		assert_rejected(&l, SCENE_REJECT_RANGE, i);
+	}
 }
 
 static void an_object_and_its_quality_have_a_number(void **state)
@@ -606,6 +650,8 @@ int main(void)
 		cmocka_unit_test(what_is_not_mapped_has_its_default),
 		cmocka_unit_test(what_is_not_ours_passes_by),
 		cmocka_unit_test(a_header_says_how_many),
+		cmocka_unit_test(or_does_not_say),
+		cmocka_unit_test(an_object_in_an_unknown_state_is_none),
 		cmocka_unit_test(an_object_and_its_quality_have_a_number),
 		cmocka_unit_test(a_sigma_that_is_not_given_is_none),
 		cmocka_unit_test(bad_checksums_are_refused),

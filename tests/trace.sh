@@ -21,7 +21,14 @@ like "a folder without a trace" "$tmp/err" 'no trace in this folder'
 mkdir "$tmp/bad" && echo nonsense >"$tmp/bad/metadata"
 refuses 1 "$AEBMC" report "$tmp/bad"
 like "a trace that is none" "$tmp/err" 'not a readable trace'
-exits "a provider that is not there" 1 "$O/aebmcd" --config $conf --set trace.provider=nvtx --log /dev/null
+nvtx="$O/aebmcd --config $conf --set trace.provider=nvtx --log"
+if [ -e "$O/trace-nvtx.so" ]; then
+	"$AEBMC" generate --drive brake --out "$tmp/nvtx.log"
+	ok "the provider for Nsight without Nsight" $nvtx "$tmp/nvtx.log"
+else
+	exits "a provider that is not there" 1 $nvtx /dev/null
+	like "is said to be missing" "$tmp/err" 'cannot load trace-nvtx.so: it was not built'
+fi
 
 # A session daemon of our own, unless one runs.
 export LTTNG_HOME="$tmp"

@@ -80,6 +80,7 @@ if section sanitizer; then
 fi
 if section latency; then
 	say "targets: spinning p50 <= 40, p99 <= 80 us; sleeping p50 <= 150, p99 <= 300 us"
+	run "$T/substages"
 	run "$T/latency" 100000
 	run "$T/latency" 20000 load
 fi

@@ -5,7 +5,8 @@
  * thread, one for each kind of call that should not have been:
  *	trap: thread 312, FIFO 80: 4211 calls, 0 outside the list; 0 page faults; 0 allocator calls
  * Meanwhile do what may make the process slip: faults, signals, a tracer that starts and stops. Needs root; slows the
- * threads down, so judge no time; run it above their priority (chrt -f 90). One such watcher at a time.
+ * threads down, so judge no time. Run it above everything but those threads (chrt -f 50): above them it would find them
+ * still running at each stop, and the kernel waits a tick for them. One such watcher at a time.
  * Exit code 0 nothing found, 1 something found or failed, 2 usage.
  */
 #include <dirent.h>
@@ -33,7 +34,8 @@ static const int allowed[] = {
 	SYS_ppoll,           /* for a frame, a result, a period */
 	SYS_restart_syscall, /* the same, after a stop */
 	SYS_recvmmsg,        /* frames */
-	SYS_write,           /* frames; a request or a result announced (eventfd) */
+	SYS_sendto,          /* frames */
+	SYS_write,           /* a request or a result announced (eventfd) */
 	SYS_read,            /* an announcement taken */
 	SYS_clock_gettime,   /* where the vDSO has no clock to read */
 	SYS_futex,           /* a batch shared with other compute threads (mc.threads) */
@@ -118,9 +120,11 @@ static long faults_of(const struct watch *w, pid_t tid)
 static int put(const char *path, const char *text)
 {
 	FILE *f = fopen(path, "ae");
-	int bad = !f || fputs(text, f) < 0;
 
-	return (f && fclose(f)) || bad ? -1 : 0;
+	if (!f || fputs(text, f) < 0) {
+		return -1;
+	}
+	return fclose(f);
 }
 
 /* Where the file that holds @address is mapped here: its path and the address's place in it. */
@@ -166,6 +170,7 @@ static int probes_open(const struct watch *w)
 
 		snprintf(text, sizeof(text), "p:aebmc/%s %s:0x%lx\n", allocators[i], path, offset);
 		if (offset < 0 || put(TRACING "/uprobe_events", text)) {
+			fprintf(stderr, "trap: uprobe %s: %s\n", text, strerror(errno));
 			return -1;
 		}
 	}
@@ -175,6 +180,7 @@ static int probes_open(const struct watch *w)
 	}
 	if (mkdir(INSTANCE, 0700) || put(INSTANCE "/events/aebmc/filter", filter) ||
 	    put(INSTANCE "/events/aebmc/enable", "1")) {
+		fprintf(stderr, "trap: %s, filter %s: %s\n", INSTANCE, filter, strerror(errno));
 		return -1;
 	}
 	return 0;

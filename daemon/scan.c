@@ -15,25 +15,15 @@ static int is_list(const struct scan *s)
 	return s->map->list.id.sig != NULL;
 }
 
-/* The target of this number, or NULL. */
-static struct detection *find(struct scan *s, uint32_t id)
+/* Index of the target of this number, or -1. */
+static int find(const struct scan *s, uint32_t id)
 {
 	for (int i = 0; i < s->n; i++) {
 		if (s->det[i].id == id) {
-			return &s->det[i];
+			return i;
 		}
 	}
-	return NULL;
-}
-
-static int has(const struct scan *s, uint32_t id)
-{
-	for (int i = 0; i < s->n; i++) {
-		if (s->det[i].id == id) {
-			return 1;
-		}
-	}
-	return 0;
+	return -1;
 }
 
 int scan_breaks(const struct scan *s, const struct decode_frame *d)
@@ -44,7 +34,7 @@ int scan_breaks(const struct scan *s, const struct decode_frame *d)
 	if (d->part == MAP_HEADER) {
 		return 1;
 	}
-	return is_list(s) ? has(s, d->det.id) : (int)(s->seen >> d->track & 1);
+	return is_list(s) ? find(s, d->det.id) >= 0 : (int)(s->seen >> d->track & 1);
 }
 
 /* Where a further target goes: at the end, or in place of the farthest if it is nearer. NULL: it is farther than all. */
@@ -66,7 +56,7 @@ static void add_target(struct scan *s, const struct decode_frame *d)
 	struct detection *to = d->target ? place(s, &d->det) : NULL;
 
 	s->objects++;
-	s->seen |= is_list(s) ? 0 : 1ull << d->track;
+	s->seen |= 1ull << d->track;
 	if (to) {
 		*to = d->det;
 	}
@@ -74,10 +64,12 @@ static void add_target(struct scan *s, const struct decode_frame *d)
 
 static void add_quality(struct scan *s, const struct detection *q)
 {
-	struct detection *to = find(s, q->id);
+	const int i = find(s, q->id);
 
 	s->qualities++;
-	if (to) {
+	if (i >= 0) {
+		struct detection *to = &s->det[i];
+
 		to->existence = q->existence;
 		to->distance_sigma_m = q->distance_sigma_m;
 		to->rate_sigma_mps = q->rate_sigma_mps;

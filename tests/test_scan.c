@@ -103,7 +103,7 @@ static struct mapping make_map(int slots, int header, int counts, int quality)
 	m.list.header = header ? 60 : -1;
 	m.list.count.sig = counts ? &sig : NULL;
 	m.list.id.sig = slots ? NULL : &sig;
-	m.list.quality = quality ? 61 : -1;
+	m.list.quality = quality ? 0 : -1;
 	return m;
 }
 
@@ -175,7 +175,7 @@ static void all_slots_make_a_scan(void **state)
 	/* one is lost: the next scan's first frame ends it */
 	assert_int_equal(give(&s, slot(0, 1), 11), 0);
 	assert_int_equal(give(&s, slot(1, 1), 12), 0);
-	assert_int_equal(give(&s, slot(0, 1), 21), 1);
+	assert_int_equal(give(&s, slot(1, 1), 21), 1);
 	assert_true(s.n == 1 && s.first_ns == 21 * MS);
 	assert_int_equal(s.incomplete,
 			 0); /* nothing was announced: each slot is judged by itself */
@@ -255,6 +255,24 @@ static void what_was_announced_and_is_missing_is_counted(void **state)
 	assert_int_equal(s.n, 1);
 }
 
+static void a_count_is_of_its_own_scan(void **state)
+{
+	const struct mapping m = make_map(0, 1, 1, 0);
+	struct scan s;
+
+	(void)state;
+	scan_open(&s, &m, 0.5);
+	assert_int_equal(give(&s, header(1), 0), 0);
+	assert_int_equal(give(&s, object(1, 40), 1), 2);
+	assert_int_equal(give(&s, object(1, 40), 50), 0); /* its header was lost */
+	assert_int_equal(s.open, 1);
+	/* nor does a number of the scan before mean anything */
+	assert_int_equal(give(&s, header(2), 100), 1);
+	assert_int_equal(give(&s, object(7, 40), 101), 0);
+	assert_int_equal(give(&s, object(1, 41), 102), 2);
+	assert_int_equal(s.n, 2);
+}
+
 static void without_a_count_the_next_header_ends_a_scan(void **state)
 {
 	const struct mapping m = make_map(0, 1, 0, 0);
@@ -293,6 +311,54 @@ static void of_too_many_objects_the_nearest_are_kept(void **state)
 	assert_int_equal(near, MAP_TRACKS_MAX);
 }
 
+/* Fills a scan with objects 0..63 at @distance_m(i) and gives one more, number 64. Returns which number is gone. */
+static int displaced(double (*distance_m)(int i), double last_m)
+{
+	const struct mapping m = make_map(0, 1, 1, 0);
+	uint64_t there = 0;
+	int gone = 0;
+	struct scan s;
+
+	scan_open(&s, &m, 0.5);
+	give(&s, header(65), 0);
+	for (int i = 0; i < MAP_TRACKS_MAX; i++) {
+		give(&s, object((uint32_t)i, distance_m(i)), 1);
+	}
+	give(&s, object(MAP_TRACKS_MAX, last_m), 1);
+	assert_int_equal(s.n, MAP_TRACKS_MAX);
+	for (int i = 0; i < s.n; i++) {
+		there |= s.det[i].id < MAP_TRACKS_MAX ? 1ull << s.det[i].id : 0;
+	}
+	while (gone < MAP_TRACKS_MAX && (there >> gone & 1)) {
+		gone++;
+	}
+	return gone;
+}
+
+static double first_is_farthest(int i)
+{
+	return i == 0 ? 100 : 50;
+}
+
+static double second_is_farthest(int i)
+{
+	return i == 1 ? 100 : 50;
+}
+
+static double two_are_farthest(int i)
+{
+	return i == 5 || i == 9 ? 100 : 50;
+}
+
+static void the_farthest_makes_room(void **state)
+{
+	(void)state;
+	assert_int_equal(displaced(first_is_farthest, 99), 0);
+	assert_int_equal(displaced(second_is_farthest, 99), 1);
+	assert_int_equal(displaced(two_are_farthest, 99), 5);
+	assert_int_equal(displaced(two_are_farthest, 100), MAP_TRACKS_MAX); /* none */
+}
+
 int main(int argc, char **argv)
 {
 	const struct CMUnitTest tests[] = {
@@ -302,7 +368,9 @@ int main(int argc, char **argv)
 		cmocka_unit_test(objects_and_their_quality_make_a_scan),
 		cmocka_unit_test(what_was_announced_and_is_missing_is_counted),
 		cmocka_unit_test(without_a_count_the_next_header_ends_a_scan),
+		cmocka_unit_test(a_count_is_of_its_own_scan),
 		cmocka_unit_test(of_too_many_objects_the_nearest_are_kept),
+		cmocka_unit_test(the_farthest_makes_room),
 	};
 
 	if (argc == 4 && !strcmp(argv[1], "--driver")) {

@@ -58,8 +58,7 @@ static void pair(struct compare_diff *d)
 	d->gained = d->n[SIDE_B] - (d->n[SIDE_A] - d->lost);
 }
 
-int compare_match(const struct compare_run run[SIDES], enum compare_kind kind,
-		  struct compare_diff *d)
+int compare_match(const struct compare_run *run, enum compare_kind kind, struct compare_diff *d)
 {
 	*d = (struct compare_diff){0};
 	d->partner = calloc(run[SIDE_A].head.n_changes + 1, sizeof(*d->partner));

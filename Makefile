@@ -376,7 +376,7 @@ dist:
 deb: deps-deb dist
 	$(Q)WITH_CUDA=$(WITH_CUDA) tools/deb $(O)/$(DIST).tar.gz $(VERSION) $(O)/deb
 	$(call say,DEB,$(O)/deb)
-check-deb: deps-deb
+check-deb: deps-deb all
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log tests/deb.sh
 
 format:

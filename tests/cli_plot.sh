@@ -73,6 +73,7 @@ svg "converge: ten points of the paper in either panel" "$out" "[dots(d) for d i
 ok "timeline" "$AEBMC" plot "$tmp/replay.csv" --out "$out"
 ego=$(tail -n +2 "$tmp/replay.csv" | cut -d, -f4 | grep -c .)
 svg "timeline: a point of the ego's speed for each row that has one" "$out" "max(map(points, paths['c0 l'])) == $ego"
+svg "timeline: the driver's risk beside it" "$out" "'if the driver brakes' in texts and points(paths['c4 l'][-1]) > 50"
 svg "timeline: stages and states in words" "$out" \
 	"[s[0] for s in spans if s[0] in ('none', 'warn', 'partial', 'full')][-1] == 'full' and 'BRAKE' in [s[0] for s in spans]"
 svg "timeline: both lanes are full" "$out" "abs(sum(s[1] for s in spans) - 2 * (900 - 64 - 18)) < 3"

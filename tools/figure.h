@@ -88,13 +88,14 @@ struct figure_scatter {
 };
 void figure_scatter(FILE *out, const void *scatter);
 
-/* A replay against time. What is not known is NaN. */
+/* A replay against time. What is not known is NaN. p, lo, hi: the risk if full braking waits one period; driver: if the
+ * driver brakes, NULL: not drawn. */
 struct figure_timeline {
 	struct figure_text text;
 	size_t n;
 	double from_s, to_s;
-	const double *time_s, *ego_mps, *lead_mps, *headway_m, *safe_m, *p, *lo, *hi, *accel_mps2,
-		*lead;
+	const double *time_s, *ego_mps, *lead_mps, *headway_m, *safe_m, *p, *lo, *hi, *driver,
+		*accel_mps2, *lead;
 	const char *const *level, *const *state; /* [n], as level_name and state_name */
 };
 void figure_timeline(FILE *out, const void *timeline);

@@ -103,20 +103,25 @@ static void draw_distance(struct svg *s, const struct figure_timeline *t)
 /* Down to the bound of an evaluation without a hit, which is as little as these samples can say. */
 static void draw_risk(struct svg *s, const struct figure_timeline *t)
 {
-	static const struct svg_key key[] = {{SVG_BLUE, SVG_KEY_LINE, "risk of waiting one period"},
-					     {SVG_BLUE, SVG_KEY_AREA, "95 % interval"}};
+	static const struct svg_key key[] = {
+		{SVG_BLUE, SVG_KEY_LINE, "if full braking waits one period"},
+		{SVG_BLUE, SVG_KEY_AREA, "95 % interval"},
+		{SVG_AMBER, SVG_KEY_LINE, "if the driver brakes"}};
 	struct svg_panel p = {
 		.title = "Risk",
 		.y = {.label = "[%]", .scale = SVG_LOG, .unit = 0.01, .min = 0.001, .max = 1},
 		.share = 1.3,
 		.key = key,
-		.keys = 2};
+		.keys = t->driver ? 3 : 2};
 	double min = INFINITY, max = 0;
 
 	svg_cover(t->hi, t->n, &min, &max);
 	p.y.min = fmax(fmin(p.y.min, min), 1e-9);
 	svg_round_out(&p.y);
 	open_panel(s, t, &p);
+	if (t->driver) {
+		svg_line(s, SVG_AMBER, SVG_SOLID, t->time_s, t->driver, t->n);
+	}
 	svg_band(s, SVG_BLUE, t->time_s, t->lo, t->hi, t->n);
 	svg_line(s, SVG_BLUE, SVG_SOLID, t->time_s, t->p, t->n);
 }

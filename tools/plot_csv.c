@@ -61,7 +61,7 @@ int plot_risk_csv(const struct plot *p)
 
 /* ---- replay ------------------------------------------------------------------------------------ */
 
-enum { TIME, EGO, LEAD_MPS, HEADWAY, SAFE, RISK, LO, HI, ACCEL, LEAD, COLUMNS };
+enum { TIME, EGO, LEAD_MPS, HEADWAY, SAFE, RISK, LO, HI, DRIVER, ACCEL, LEAD, COLUMNS };
 static const char *const timeline_column[COLUMNS] = {
 	[TIME] = "time_s",
 	[EGO] = "ego_speed_mps",
@@ -71,6 +71,7 @@ static const char *const timeline_column[COLUMNS] = {
 	[RISK] = "p_defer",
 	[LO] = "p_defer_lo",
 	[HI] = "p_defer_hi",
+	[DRIVER] = "p_driver",
 	[ACCEL] = "accel_request_mps2",
 	[LEAD] = "lead_id",
 };
@@ -141,6 +142,7 @@ static int draw_timeline(const struct plot *p, const double *v, size_t rows,
 		.p = c[RISK],
 		.lo = c[LO],
 		.hi = c[HI],
+		.driver = c[DRIVER],
 		.accel_mps2 = c[ACCEL],
 		.lead = c[LEAD],
 		.level = level + first,

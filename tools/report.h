@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * What a trace of aebmcd tells: its cycles, misses and evaluations, and the figures drawn from them. report_take.c reads
- * events, report_figures.c counts, report_show.c, report_json.c and report_html.c tell.
+ * events, report_figures.c counts, report_show.c, report_json.c and
+ * report_html.c with report_pictures.c tell.
  */
 #ifndef AEBMC_REPORT_H
 #define AEBMC_REPORT_H
@@ -118,6 +119,12 @@ void report_when(const struct report *r, int64_t mono_ns, char *text, size_t siz
 void report_show(const struct report *r, const char *dir, FILE *out);
 void report_json(const struct report *r, const char *dir, FILE *out);
 void report_html(const struct report *r, const char *dir, FILE *out);
+
+/** report_draw_* - a heading and a picture for the page: how the stages' times are spread, the worst cycles as bars, speed,
+ * distance and risk over time. Nothing where there is nothing to draw. */
+void report_draw_stages(const struct report *r, FILE *out);
+void report_draw_worst(const struct report *r, FILE *out);
+void report_draw_risk(const struct report *r, FILE *out);
 
 void report_free(struct report *r);
 

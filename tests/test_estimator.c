@@ -562,6 +562,39 @@ static void a_curve_shows_in_the_lateral_offset(void **state)
 	close_bench(&b);
 }
 
+/* How surely the lead is met: its existence, 0.9, times the probability that the bent path leads to it. */
+static double met(struct bench *b, double yaw_sigma, double curve_sigma)
+{
+	b->cfg.perception_yaw_sigma = yaw_sigma;
+	b->cfg.perception_curve_sigma = curve_sigma;
+	const struct scene s = cycles(b, 2);
+
+	assert_true(s.lead_valid);
+	return scene_lead_p(&s) / 0.9;
+}
+
+static void the_path_is_as_sure_as_what_bends_it(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "generic");
+	cycles(&b, 20);
+	assert_true(met(&b, 0, 0.005) > 0.999);
+	/* 0.005/m by the yaw rate at 20 m/s, 2.25 m at 30 m, and 0.3 m: within 1.6 m with 52 % */
+	assert_true(fabs(met(&b, 0.1, 0) - 0.519) < 0.02);
+	b.roles &= ~(1u << MAP_YAW_RATE); /* not available: the other figure counts */
+	assert_true(met(&b, 0.1, 0) > 0.999);
+	assert_true(fabs(met(&b, 0.1, 0.005) - 0.519) < 0.02);
+	close_bench(&b);
+
+	open_bench(&b, "generic"); /* at walking pace a yaw rate says little of the path */
+	b.speed_mps = 1;
+	cycles(&b, 20);
+	assert_true(met(&b, 0.1, 0) > 0.999);
+	close_bench(&b);
+}
+
 /* ---- trust ---------------------------------------------------------------------------------- */
 
 static void distrust_forgets_and_recovers(void **state)
@@ -718,6 +751,7 @@ int main(void)
 		cmocka_unit_test(the_far_future_is_no_scene),
 		cmocka_unit_test(the_driver_is_heard),
 		cmocka_unit_test(a_curve_shows_in_the_lateral_offset),
+		cmocka_unit_test(the_path_is_as_sure_as_what_bends_it),
 		cmocka_unit_test(distrust_forgets_and_recovers),
 		cmocka_unit_test(spoilt_frames_leave_no_trace),
 		cmocka_unit_test(any_frame_is_survived),

@@ -93,6 +93,7 @@ static void error_frame(struct bus_rx *rx, uint8_t iface, const struct canfd_fra
 	rx->stats.error_frames++;
 	if (c->can_id & CAN_ERR_BUSOFF) {
 		rx->off |= 1u << iface;
+		rx->once |= BUS_EV_OFF; /* known even if a frame of the same batch ends it */
 	}
 	if (c->can_id & CAN_ERR_RESTARTED) {
 		rx->off &= ~(1u << iface);

@@ -304,6 +304,12 @@ static void test_bus_off_belongs_to_its_interface(void **state)
 	inject.frame.can_id = 0x123;
 	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 1);
 	assert_int_equal(bus_rx_events(&rx), 0); /* it carries frames again */
+	inject.frame.can_id = CAN_ERR_FLAG | CAN_ERR_BUSOFF;
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 0);
+	inject.frame.can_id = 0x123;
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 1);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_OFF); /* known although it is over */
+	assert_int_equal(bus_rx_events(&rx), 0);
 }
 
 static void test_taken_counts_what_was_not_delivered_too(void **state)

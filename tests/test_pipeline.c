@@ -697,8 +697,8 @@ static void test_radar_silence_inhibits(void **arg)
 	safe_scene();
 	w.radar = 1;
 	w.next_scan_ns = w.now_ns + 5 * MS;
-	run_to(w.now_ns + 900 * MS);
-	request_is("INHIBIT", "none", "none"); /* held for a second */
+	run_to(w.now_ns + 600 * MS);
+	request_is("INHIBIT", "none", "none"); /* held for 700 ms */
 	assert_false(has_risk());
 	run_to(w.now_ns + 200 * MS);
 	request_is("ARMED", "none", "none");

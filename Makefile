@@ -199,6 +199,11 @@ STATISTICS := $(O)/tests/test_interval
 check-unit: all tests
 	$(Q)O=$(O) tests/run $(RUN_FLAGS) --log $(O)/log --wrap '$(WRAP)' $(filter-out $(STATISTICS),$(TESTS)) $(UNIT_SCRIPTS)
 
+# From wake-up to frame on this machine, 40 s of a made-up drive over a socketpair; as root with real-time priorities.
+.PHONY: bench-wakeup
+bench-wakeup: $(O)/aebmc $(O)/tests/bench_wakeup
+	$(Q)$(O)/aebmc generate --drive follow | $(O)/tests/bench_wakeup can-dbc/vehicles/generic.conf
+
 # Sanitizers: the unit tests and the command-line tests that feed bad input, in trees of their own.
 SAN_SCRIPTS := $(filter tests/cli_%.sh tests/check_config.sh,$(SCRIPTS))
 SUB         := $(MAKE) WERROR=$(WERROR) RUN_FLAGS='$(RUN_FLAGS)' WITH_CUDA=no

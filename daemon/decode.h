@@ -55,12 +55,12 @@ struct decode {
 /* What reading a signal gave; all but the first leave no value. */
 enum decode_got {
 	DECODE_OK,
-	DECODE_ABSENT, /* not mapped, or not in this frame of a multiplexed message */
+	DECODE_ABSENT, /* not in this frame of a multiplexed message */
 	DECODE_NOT_AVAILABLE,
 	DECODE_OUT_OF_RANGE /* of the database, or of its table */
 };
 
-/** decode_value - a signal in a frame of @msg, which has its length: the SI value in *@si, untouched without one. Pure. */
+/** decode_value - a mapped signal in a frame of @msg, which has its length: the SI value in *@si, untouched without one. Pure. */
 enum decode_got decode_value(const struct map_signal *s, const struct dbc_message *msg,
 			     const uint8_t *data, double *si);
 

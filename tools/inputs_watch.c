@@ -19,7 +19,7 @@
 static int value_of(const struct map_signal *s, const struct dbc_message *msg, const uint8_t *data,
 		    double *si)
 {
-	return decode_value(s, msg, data, si) == DECODE_OK;
+	return s->sig && decode_value(s, msg, data, si) == DECODE_OK;
 }
 
 /* The step from one frame to the next as a share of all that the signal can say. */

@@ -113,6 +113,13 @@ if "$python" -c 'import cantools' 2>/dev/null; then
 	like "periods too" "$tmp/car.conf" '^period = 25 +# ms, as in the log$'
 	like "and counters" "$tmp/car.conf" '^counter = ZAEHLER '
 	ok "a shadow run" "$AEBMC" replay --config "$tmp/car.conf" --set bus.transmit=shadow --set mc.samples=256 "$tmp/car.log"
+	is "scans need no gap of their own" "$(grep -c scan_gap "$tmp/car.conf")" 0
+	"$python" tests/strange_car.py --dbc "$tmp/car.dbc" --log "$tmp/car.log" --spread 13
+	ok "slots far apart" "$AEBMC" map "$tmp/car.dbc" "$tmp/car.log" --out "$tmp/car.conf" --force
+	like "set the silence that ends a scan" "$tmp/car.conf" '^scan_gap = 1[67] +# ms: silences are up to 1[34] ms within scans, from 2[01] ms'
+	"$python" tests/strange_car.py --dbc "$tmp/car.dbc" --log "$tmp/car.log" --spread 15
+	ok "slots as far apart as scans" "$AEBMC" map "$tmp/car.dbc" "$tmp/car.log" --out "$tmp/car.conf" --force
+	like "do not" "$tmp/car.conf" '^# scan_gap: .* cannot be told apart'
 	strange sign
 	ok "a planted sign" "$AEBMC" map "$tmp/car.dbc" "$tmp/car.log" --out "$tmp/car.conf"
 	like "is named" "$tmp/out" 'RELATIV_GESCHW .*is the change of ABSTAND, but for the sign: negate'

@@ -100,8 +100,9 @@ class Drive:
 
 
 class Log:
-    def __init__(self, db, out, plant, seed):
-        self.db, self.out, self.plant, self.rng = db, out, plant, random.Random(seed)
+    def __init__(self, db, plant, spread, seed):
+        self.db, self.plant, self.spread, self.rng = db, plant, spread, random.Random(seed)
+        self.lines = []
         self.counter = 0
 
     def send(self, t, iface, name, **values):
@@ -109,9 +110,9 @@ class Log:
         data = m.encode({s.name: values.get(s.name, 0) for s in m.signals}, strict=False)
         wide = "%08X" % m.frame_id if m.is_extended_frame else "%03X" % m.frame_id
         line = "(%017.6f) %s %s#%s\n" % (t, iface, wide, data.hex().upper())
-        self.out.write(line)
+        self.lines.append(line)
         if self.plant == "twice" and name == "FAHRDYNAMIK":
-            self.out.write(line)
+            self.lines.append(line)
 
     def ego(self, t, d):
         speed = 13.8 if self.plant == "frozen" else d.ego() + self.rng.gauss(0, 0.02)
@@ -123,37 +124,39 @@ class Log:
         for i, target in enumerate(d.targets()):
             name = "ZIEL_%02d" % i
             if target:
-                self.send(t + i * 4e-4, "can7", name, GUELTIG=int(self.plant != "invalid"), ABSTAND=target[0] +
+                self.send(t + i * self.spread * 1e-3, "can7", name, GUELTIG=int(self.plant != "invalid"), ABSTAND=target[0] +
                           self.rng.gauss(0, 0.1), RELATIV_GESCHW=target[1] + self.rng.gauss(0, 0.05),
                           QUER_ABSTAND=target[2] + self.rng.gauss(0, 0.05))
             else:
-                self.send(t + i * 4e-4, "can7", name)
+                self.send(t + i * self.spread * 1e-3, "can7", name)
 
 
 def main():
     p = argparse.ArgumentParser()
     p.add_argument("--plant", choices=sorted(WRONG) + ["twice", "frozen", "invalid"], default="none")
     p.add_argument("--seconds", type=float, default=90)
+    p.add_argument("--spread", type=float, default=0.4, help="ms from slot to slot")
     p.add_argument("--dbc", required=True)
     p.add_argument("--log", required=True)
     a = p.parse_args()
     with open(a.dbc, "w") as f:
         f.write(dbc(dict(RIGHT, **WRONG.get(a.plant, {}))))
     drive = Drive(1)
+    log = Log(cantools.database.load_string(dbc(RIGHT)), a.plant, a.spread, 2)
+    for ms in range(int(a.seconds * 1000)):
+        t = 1.7e9 + ms * 1e-3
+        drive.step(1e-3)
+        if ms % 25 == 1:
+            log.ego(t, drive)
+        if ms % 60 == 7:
+            log.scan(t, drive)
+        if ms % 100 == 3:
+            braking = math.cos(drive.t / 9) < -0.5
+            log.send(t, "can3", "PEDALE", BREMSE_Pedal=int(braking), FAHRPEDAL_Position=0 if braking else 20,
+                     BREMSE_Temp=80)
+            log.send(t, "can3", "TEMPOMAT", SET_Speed=100, TRIP_Distance=int(drive.t * 16))
     with open(a.log, "w") as f:
-        log = Log(cantools.database.load_string(dbc(RIGHT)), f, a.plant, 2)
-        for ms in range(int(a.seconds * 1000)):
-            t = 1.7e9 + ms * 1e-3
-            drive.step(1e-3)
-            if ms % 25 == 1:
-                log.ego(t, drive)
-            if ms % 60 == 7:
-                log.scan(t, drive)
-            if ms % 100 == 3:
-                braking = math.cos(drive.t / 9) < -0.5
-                log.send(t, "can3", "PEDALE", BREMSE_Pedal=int(braking), FAHRPEDAL_Position=0 if braking else 20,
-                         BREMSE_Temp=80)
-                log.send(t, "can3", "TEMPOMAT", SET_Speed=100, TRIP_Distance=int(drive.t * 16))
+        f.writelines(sorted(log.lines, key=lambda line: line[:19]))
 
 
 main()

@@ -19,8 +19,9 @@
 #define MAPPER_WHY_MAX        320
 #define MAPPER_SPEC_MAX       1200
 #define MAPPER_RUNS           256
-#define MAPPER_SCORE_MIN      4.0 /* a candidate below is a guess */
-#define MAPPER_LEAD_MIN       1.5 /* over the second, to be clear */
+#define MAPPER_GAPS           1000 /* ms */
+#define MAPPER_SCORE_MIN      4.0  /* a candidate below is a guess */
+#define MAPPER_LEAD_MIN       1.5  /* over the second, to be clear */
 
 enum mapper_role {
 #define MAPPER_ROLE(name, unit, whose, required, doc) MAPPER_##name,
@@ -69,6 +70,8 @@ struct mapper_pair {
 	double distance_gain, rate_gain;
 	struct stretch_list list;
 	struct stretch_run run[MAPPER_RUNS];
+	int64_t last_ns;               /* of the family's last frame, 0: none */
+	uint32_t gap[MAPPER_GAPS + 1]; /* times from frame to frame, by ms; the last: longer ones */
 };
 
 struct mapper {
@@ -129,6 +132,13 @@ const char *mapper_spec(const struct mapper *m, const struct mapper_candidate *c
 const struct mapper_message *mapper_at(const struct mapper *m, const struct dbc_message *msg);
 const struct mapper_stats *mapper_stats(const struct mapper *m, const struct dbc_message *msg,
 					const struct dbc_signal *sig);
+
+/**
+ * mapper_gaps - the silence within and between a radar's scans [ms], where a scan is a frame of each of its messages
+ * @within: all but 2 % of a scan's gaps are at most that long; @between: all but 2 % of those between scans at least.
+ * Returns 0, or -ENODATA if @family has one message, or too few frames were seen.
+ */
+int mapper_gaps(const struct mapper *m, int family, int *within, int *between);
 
 /** mapper_write - the configuration. @dbc_path as it is to be found from the file. */
 void mapper_write(const struct mapper *m, const struct mapper_choice choice[MAPPER_ROLES],

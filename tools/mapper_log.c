@@ -11,6 +11,8 @@
 #include "codec.h"
 #include "mapper.h"
 
+#define GAPS_MIN 200
+#define GAPS_ODD 0.02
 #define PART_MAX 6 /* distances, and rates, of a message that are tried */
 
 /* ---- families ---------------------------------------------------------------------------------- */
@@ -262,6 +264,16 @@ static void take_passes(struct mapper_message *st, const struct dbc_message *msg
 	}
 }
 
+static void take_gap(struct mapper_pair *p, int64_t t_ns)
+{
+	const int64_t ms = (t_ns - p->last_ns) / CLOCK_NS_PER_MS;
+
+	if (p->last_ns) {
+		p->gap[ms < 0 ? 0 : ms < MAPPER_GAPS ? ms : MAPPER_GAPS]++;
+	}
+	p->last_ns = t_ns;
+}
+
 static void take_pair(struct mapper_pair *p, int member, const struct bus_frame *f)
 {
 	const uint64_t raw = codec_raw(p->distance, f->data);
@@ -273,6 +285,7 @@ static void take_pair(struct mapper_pair *p, int member, const struct bus_frame 
 	};
 	struct stretch done;
 
+	take_gap(p, f->t_ns);
 	if (raw == codec_mask(p->distance) ? stretch_end(&p->run[run], &done)
 					   : stretch_add(&p->run[run], &s, &done)) {
 		stretch_keep(&p->list, &done);
@@ -334,4 +347,35 @@ const struct mapper_stats *mapper_stats(const struct mapper *m, const struct dbc
 					const struct dbc_signal *sig)
 {
 	return &m->stats[mapper_at(m, msg)->signals + (uint32_t)(sig - msg->signals)];
+}
+
+/* The gap that @rank others are longer than. */
+static int ranked(const struct mapper_pair *p, double rank)
+{
+	double n = 0;
+	int ms = MAPPER_GAPS;
+
+	while (ms > 0 && (n += p->gap[ms]) <= rank) {
+		ms--;
+	}
+	return ms;
+}
+
+int mapper_gaps(const struct mapper *m, int family, int *within, int *between)
+{
+	const struct mapper_pair *p = NULL;
+	double n = 0;
+
+	for (int i = 0; i < m->n_pairs && !p; i++) {
+		p = m->pair[i].family == family ? &m->pair[i] : NULL;
+	}
+	for (int ms = 0; p && ms <= MAPPER_GAPS; ms++) {
+		n += p->gap[ms];
+	}
+	if (m->family[family].n == 1 || n < GAPS_MIN) {
+		return -ENODATA;
+	}
+	*between = ranked(p, n / m->family[family].n * (1 - GAPS_ODD));
+	*within = ranked(p, n / m->family[family].n * (1 + GAPS_ODD)) + 1;
+	return 0;
 }

@@ -14,6 +14,7 @@
 #define PERIOD_OFF   0.2
 #define FULL_SHARE   0.02
 #define COMMENT_COLS 32
+#define GAP_MS       12 /* radar.scan_gap where nothing is written */
 
 /* "key = value" and a comment behind it, if there is one. */
 static void line(FILE *out, const char *key, const char *value, const char *comment)
@@ -225,6 +226,28 @@ static void write_interfaces(const struct mapper *m, const struct mapper_choice 
 		     "request\n");
 }
 
+/* Silence that ends a scan of which frames were lost: between that within and that between scans. */
+static void write_gap(const struct mapper *m, int family, FILE *out)
+{
+	int within, between;
+
+	if (mapper_gaps(m, family, &within, &between)) {
+		return;
+	}
+	if (between < within + 2) {
+		fprintf(out,
+			"# scan_gap: silences of %d ms within scans and %d ms between them cannot "
+			"be told apart\n",
+			within, between);
+	} else if (within > GAP_MS - 2 || between < GAP_MS + 2) {
+		fprintf(out,
+			"scan_gap = %-20d # ms: silences are up to %d ms within scans, from %d ms "
+			"on between "
+			"them\n",
+			(within + between) / 2, within, between);
+	}
+}
+
 static void write_radar(const struct mapper *m, const struct mapper_choice *choice, FILE *out)
 {
 	const struct mapper_choice *c = &choice[MAPPER_distance];
@@ -236,6 +259,7 @@ static void write_radar(const struct mapper *m, const struct mapper_choice *choi
 			fmax(5, fmin(1000, (double)(st->last_ns - st->first_ns) /
 						   (double)(st->frames - 1) / CLOCK_NS_PER_MS)));
 	}
+	write_gap(m, c->at[c->taken].family, out);
 	fprintf(out, "# latency, range_sigma, rate_sigma: from the radar's manual; the risk is as "
 		     "true as they are\n");
 }

@@ -9,6 +9,7 @@
 #include "cmd.h"
 #include "engine.h"
 #include "rules.h"
+#include "scenario_compare.h"
 #include "scenario_report.h"
 #include "setup.h"
 #include "text.h"
@@ -390,7 +391,10 @@ int cmd_scenario(int argc, char **argv)
 	code = code ? code : open_all(&w);
 	if (!code) {
 		cli_catch_interrupt();
-		code = a.list ? list(&w) : a.log_run ? log_run(&w) : suite(&w);
+		code = a.list      ? list(&w)
+		       : a.log_run ? log_run(&w)
+		       : a.compare ? scenario_compare(stdout, a.json, &w.plan, w.result)
+				   : suite(&w);
 	}
 	close_all(&w);
 	return code;

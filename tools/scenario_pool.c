@@ -41,7 +41,7 @@ static int run(const struct worker *w, int job)
 		.cfg = &p->told[row], .map = p->map, .mc = w->mc, .rule = p->rule};
 	const struct scenario_draw draw = scenario_draw(p->cfg, s, p->seed, car);
 
-	if (p->latest_s && job % p->cars == 0) {
+	if (job % p->cars == 0) {
 		p->latest_s[row] = s->goal == GOAL_NO_CONTACT ? scenario_latest(p->cfg, s) : NAN;
 	}
 	return scenario_run(&bench, s, &draw, &w->pool->result[job]);

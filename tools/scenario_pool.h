@@ -20,7 +20,7 @@ struct scenario_plan {
 	const struct mapping *map;
 	const struct rule *rule; /* NULL: the daemon's own */
 	int threads;
-	double *latest_s; /* [rows]: scenario_latest(), filled where the row has an onset or a car to meet; may be NULL */
+	double *latest_s; /* [rows]: receives scenario_latest(), NaN where contact is not the question */
 };
 
 /**

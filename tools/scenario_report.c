@@ -53,6 +53,7 @@ static void add_run(struct scenario_row *row, const struct scenario *s,
 		    const struct scenario_result *r, double latest_s)
 {
 	const double request_s = scenario_first(r);
+	const double spare_s = latest_s + s->onset_s - request_s;
 
 	row->runs++;
 	row->contacts += r->contact;
@@ -61,7 +62,7 @@ static void add_run(struct scenario_row *row, const struct scenario *s,
 	row->failed += !scenario_passed(s, r);
 	row->impact_mps = fmax(row->impact_mps, r->impact_mps);
 	row->closest_m = fmin(row->closest_m, r->closest_m); /* of NaN and a number: the number */
-	row->spare_s = fmin(row->spare_s, latest_s + s->onset_s - request_s);
+	row->spare_s = fmin(row->spare_s, spare_s);          /* of NaN and a number: the number */
 	row->before_mps2 = fmax(row->before_mps2, r->peak_before_mps2);
 	row->after_mps2 = fmax(row->after_mps2, r->peak_after_mps2);
 }
@@ -78,7 +79,7 @@ struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
 	double *v = malloc((size_t)p->cars * sizeof(*v));
 
 	for (int i = 0; i < p->cars; i++) {
-		add_run(&out, s, &r[i], p->latest_s ? p->latest_s[row] : NAN);
+		add_run(&out, s, &r[i], p->first_car ? NAN : p->latest_s[row]);
 	}
 	if (v) {
 		size_t n = collect(p, r, warn_of, s->onset_s, v);
@@ -199,7 +200,7 @@ static void print_row(FILE *out, const struct scenario_plan *p, int row,
 	cell(out, 8, "%.2f", a.warn_s);
 	cell(out, 8, "%.2f", a.request_s);
 	cell(out, 8, "%.2f", a.request99_s);
-	cell(out, 8, "%.2f", p->latest_s ? p->latest_s[row] : NAN);
+	cell(out, 8, "%.2f", p->latest_s[row]);
 	cell(out, 8, "%.2f", a.spare_s);
 	cell(out, 8, "%.2f", a.before_mps2);
 	cell(out, 8, "%.2f", a.after_mps2);

@@ -12,8 +12,8 @@ struct scenario_row {
 	double impact_mps;                     /* largest */
 	double closest_m;                      /* smallest */
 	double warn_s, request_s, request99_s; /* median and 99 % of the times, from the onset */
-	double spare_s;                        /* least left of latest_s when the request came */
-	double before_mps2, after_mps2;        /* largest decelerations */
+	double spare_s; /* left of latest_s when the request came; NaN for drawn cars, whose limits differ */
+	double before_mps2, after_mps2; /* largest decelerations */
 };
 
 /* All rows together. */

@@ -92,6 +92,35 @@ if command -v script >/dev/null; then
 	like "without an answer it ends" "$tmp/out" 'no answer'
 fi
 
+# hostile files end in one line each, or are taken
+ok "a drive to spoil" "$AEBMC" generate --drive brake --out "$tmp/brake.log"
+ok "120 spoilt databases, configurations and logs" python3 - "$AEBMC" "$d" "$tmp" <<'EOP'
+import random, subprocess, sys
+aebmc, daemon, tmp = sys.argv[1:]
+rng = random.Random(1)
+def spoilt(source, to):
+    data = bytearray(open(source, "rb").read())
+    for _ in range(rng.randrange(1, 30)):
+        at = rng.randrange(len(data))
+        data[at:at + rng.randrange(3)] = bytes(rng.getrandbits(8) for _ in range(rng.randrange(3)))
+    open(to, "wb").write(data)
+def run(codes, *argv):
+    p = subprocess.run(argv, stdin=subprocess.DEVNULL, capture_output=True)
+    lines = p.stderr.count(b"\n")
+    assert p.returncode in codes and lines <= 1, (argv, p.returncode, p.stderr)
+    assert p.returncode == 0 or lines == 1 or b"WRONG" in p.stdout, (argv, p.returncode)
+    assert b"\x1b" not in p.stderr + p.stdout, argv
+for i in range(40):
+    dbc, conf, log = tmp + "/generic.dbc", tmp + "/hostile.conf", tmp + "/hostile.log"
+    spoilt("can-dbc/vehicles/generic.dbc", dbc)
+    run((0, 1), aebmc, "map", dbc, tmp + "/brake.log", "--out", tmp + "/out.conf", "--force")
+    spoilt("can-dbc/vehicles/generic.conf", conf)
+    run((0, 78), daemon, "--check-config", conf)
+    run((0, 1, 78), aebmc, "inputs", tmp + "/brake.log", "--config", conf)
+    spoilt(tmp + "/brake.log", log)
+    run((0, 1), aebmc, "inputs", log, "--config", "can-dbc/vehicles/generic.conf")
+EOP
+
 # a car that nobody has seen
 if "$python" -c 'import cantools' 2>/dev/null; then
 	strange() { # PLANT

@@ -89,45 +89,56 @@ static int set_unit(const struct map *p, struct mapper_candidate *c, enum mapper
 	return 0;
 }
 
+/* "MESSAGE.SIGNAL", which is taken apart, as a candidate. 0, or an exit code after one line. */
+static int find(const struct map *p, const char *role, char *spec, struct mapper_candidate *c)
+{
+	char *dot = strchr(spec, '.');
+
+	if (!dot) {
+		return cli_error(CLI_FAILED, p->name,
+				 "%s: '%s' names no signal; write MESSAGE.SIGNAL", role, spec);
+	}
+	*dot = '\0';
+	c->family = find_family(p->m, spec);
+	if (c->family < 0) {
+		return cli_error(CLI_FAILED, p->name, "%s: no message '%s'; nearest is '%s'", role,
+				 spec, dbc_nearest(p->m->dbc, NULL, spec));
+	}
+	const struct dbc_message *msg = p->m->family[c->family].member[0];
+
+	c->n = 1;
+	c->sig[0] = dbc_find_signal(msg, dot + 1);
+	if (!c->sig[0]) {
+		return cli_error(CLI_FAILED, p->name,
+				 "%s: message %s has no signal '%s'; nearest is '%s'", role,
+				 msg->name, dot + 1, dbc_nearest(p->m->dbc, msg, dot + 1));
+	}
+	snprintf(c->why, sizeof(c->why), "as told");
+	return 0;
+}
+
 /* "MESSAGE.SIGNAL[:UNIT]" or "none" as the choice. 0, or an exit code after one line. */
 static int decide(struct map *p, enum mapper_role role, const char *text)
 {
 	struct mapper_choice *c = &p->choice[role];
+	struct mapper_candidate new = {0};
 	char copy[ANSWER_MAX];
-	struct mapper_candidate new = {.n = 1};
 
 	snprintf(copy, sizeof(copy), "%s", text);
+	c->taken = -1;
 	if (!strcmp(copy, "none")) {
-		c->taken = -1;
 		return 0;
 	}
-	char *unit = strchr(copy, ':'), *dot = strchr(copy, '.');
+	char *unit = strchr(copy, ':');
 
 	if (unit) {
 		*unit++ = '\0';
 	}
-	if (!dot) {
-		return cli_error(CLI_FAILED, p->name,
-				 "%s: '%s' names no signal; write MESSAGE.SIGNAL",
-				 mapper_role_table[role].name, copy);
-	}
-	*dot = '\0';
-	new.family = find_family(p->m, copy);
-	if (new.family < 0) {
-		return cli_error(CLI_FAILED, p->name, "%s: no message '%s'; nearest is '%s'",
-				 mapper_role_table[role].name, copy,
-				 dbc_nearest(p->m->dbc, NULL, copy));
-	}
-	const struct dbc_message *msg = p->m->family[new.family].member[0];
+	const int code = find(p, mapper_role_table[role].name, copy, &new);
 
-	new.sig[0] = dbc_find_signal(msg, dot + 1);
-	if (!new.sig[0]) {
-		return cli_error(CLI_FAILED, p->name,
-				 "%s: message %s has no signal '%s'; nearest is '%s'",
-				 mapper_role_table[role].name, msg->name, dot + 1,
-				 dbc_nearest(p->m->dbc, msg, dot + 1));
+	if (code) {
+		return code;
 	}
-	snprintf(new.why, sizeof(new.why), "as told");
 	for (int i = 0; i < c->n; i++) {
 		if (c->at[i].family == new.family && c->at[i].sig[0] == new.sig[0]) {
 			new = c->at[i];

@@ -363,7 +363,7 @@ install: all man $(UNITS)
 	udevadm trigger -n cpu_dma_latency; systemctl daemon-reload')
 uninstall:
 	$(Q)for f in $(INSTALLED) $(MAN_ALL:$(O)/man/%=::share/man/man*/%); do rm -f "$(DESTDIR)$(PREFIX)"/$${f##*:}; done
-	$(Q)rm -rf $(DESTDIR)$(PREFIX)/share/aebmc
+	$(Q)rm -rf $(DESTDIR)$(PREFIX)/share/aebmc $(DESTDIR)$(PREFIX)/lib/aebmc
 
 # A tarball of what is committed, with the packages to carry along to a machine without internet.
 DIST := aebmc-$(VERSION)

@@ -329,33 +329,36 @@ static int list(const struct work *w)
 	return CLI_GOOD;
 }
 
-static int write_csv(const struct work *w)
+static int report(const struct work *w)
 {
-	FILE *f = cli_create(w->name, w->args->csv);
-
-	if (!f) {
-		return CLI_FAILED;
-	}
-	scenario_csv(f, &w->plan, w->result);
-	return cli_close(w->name, w->args->csv, f);
-}
-
-static int suite(struct work *w)
-{
-	int code = scenario_pool(&w->plan, w->result);
-
-	if (code) {
-		return code;
-	}
 	const struct scenario_sum sum = scenario_sum_of(&w->plan, w->result);
+	const int failed = sum.failed && !w->plan.suite->stated && !w->plan.rule;
 
-	code = w->args->csv ? write_csv(w) : 0;
 	if (w->args->json) {
 		scenario_json(stdout, &w->plan, w->result);
 	} else if (!w->args->csv || strcmp(w->args->csv, "-") != 0) {
 		scenario_words(stdout, &w->plan, w->result);
 	}
-	return code ? code : sum.failed && !w->plan.suite->stated && !w->plan.rule ? CLI_FAILED : 0;
+	return failed ? CLI_FAILED : CLI_GOOD;
+}
+
+static int suite(struct work *w)
+{
+	const char *path = w->args->csv;
+	FILE *csv = path ? cli_create(w->name, path) : NULL;
+
+	if (path && !csv) {
+		return CLI_FAILED;
+	}
+	int code = scenario_pool(&w->plan, w->result);
+
+	if (csv && !code) {
+		scenario_csv(csv, &w->plan, w->result);
+	}
+	const int closing = csv ? cli_close(w->name, path, csv) : 0;
+
+	code = code ? code : report(w);
+	return closing ? closing : code;
 }
 
 static int log_run(struct work *w)

@@ -1,0 +1,43 @@
+#!/bin/sh
+# Closed loops that call for nothing: no request, with the configuration that brakes in scenario_fmvss127.sh; the bundled
+# drives and the recorded one with it too; what faulty sensors cost is told. TAP.
+# shellcheck source=tests/tap.sh
+. "$(dirname "$0")/tap.sh"
+objects=can-dbc/vehicles/generic-objects.conf
+toyota=can-dbc/vehicles/toyota-tss-p.conf
+settings="--set brake.accel=-9.5 --set vehicle.bound=friction --set road.mu=1.02"
+recording=../shared/canlog/comma2k19-rav4-seg40-speed-radar.log.xz
+
+ok "false-activation --short" "$AEBMC" scenario false-activation --short --json
+cp "$tmp/out" "$tmp/calm.json"
+json "no partial and no full request" "$tmp/calm.json" \
+	'len(j["runs"]) >= 12 and not any(r["partial"] or r["full"] for r in j["runs"] if r["goal"] == "no request")'
+json "no deceleration added" "$tmp/calm.json" 'j["sum"]["added_deceleration_mps2"] < 0.25 * 9.81 and j["sum"]["failed"] == 0'
+json "no contact" "$tmp/calm.json" 'not any(r["contact"] for r in j["runs"])'
+json "a plate that the radar calls a car is told as not passed" "$tmp/calm.json" \
+	'[(r["goal"], r["passed"], r["full"] > 0) for r in j["runs"] if r["row"] == "plate-without-existence"] == [("unknowable", False, True)]'
+ok "in words" "$AEBMC" scenario false-activation --only plate
+like "not passed, and why" "$tmp/out" 'plate-without-existence .* not passed: the sensors say it is a car'
+ok "drawn cars" "$AEBMC" scenario false-activation --only overtake --vehicles 3 --json
+json "no request either" "$tmp/out" 'len(j["runs"]) == 9 and not any(r["full"] for r in j["runs"])'
+
+ok "degraded --short" "$AEBMC" scenario degraded --short --json
+json "each fault" "$tmp/out" \
+	'{r["row"].split("/")[0] for r in j["runs"]} == {"10Hz", "noise-told", "noise-untold", "dropouts", "latency", "rate-lag"}'
+
+for drive in brake follow; do
+	"$AEBMC" generate --config $objects --drive $drive --out "$tmp/drive.log"
+	# shellcheck disable=SC2086 # several words
+	ok "the drive $drive with the same configuration" "$AEBMC" replay --config $objects $settings --json "$tmp/drive.log"
+	[ $drive = brake ] && full=1 || full=0
+	json "$drive: $full full request" "$tmp/out" "j['full'] == $full and j['partial'] == 0"
+done
+if [ -r $recording ]; then
+	xz -dc $recording >"$tmp/drive.log"
+	# shellcheck disable=SC2086 # several words
+	ok "the recorded drive with these settings" "$AEBMC" replay --config $toyota $settings --json "$tmp/drive.log"
+	json "the recorded drive: no partial or full request" "$tmp/out" 'j["full"] == 0 and j["partial"] == 0 and j["evaluations"] > 1000'
+else
+	skip "the recorded drive" shared
+fi
+done_testing

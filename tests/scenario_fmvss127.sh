@@ -1,0 +1,86 @@
+#!/bin/sh
+# Closed loops that call for braking: no contact, a warning first, the same results with any number of threads and when
+# the log of a run is replayed. TAP.
+# shellcheck source=tests/tap.sh
+. "$(dirname "$0")/tap.sh"
+objects=can-dbc/vehicles/generic-objects.conf
+toyota=can-dbc/vehicles/toyota-tss-p.conf
+settings="--set brake.accel=-9.5 --set vehicle.bound=friction --set road.mu=1.02"
+
+ok "fmvss127 --short" "$AEBMC" scenario fmvss127 --short --json
+cp "$tmp/out" "$tmp/short.json"
+json "no contact" "$tmp/short.json" 'len(j["runs"]) >= 16 and not any(r["contact"] or r["impact_mps"] for r in j["runs"])'
+json "a warning before every request" "$tmp/short.json" \
+	'sum(r["full"] for r in j["runs"]) >= 12 and all(r["warn_s"] < r["full_s"] for r in j["runs"] if r["full"])'
+json "by a median of 0.7 s at least" "$tmp/short.json" \
+	'sorted(r["full_s"] - r["warn_s"] for r in j["runs"] if r["full"])[sum(r["full"] > 0 for r in j["runs"]) // 2] >= 0.7'
+json "a driver who brakes when he is warned makes the difference" "$tmp/short.json" \
+	'[r["full"] for r in j["runs"] if r["row"] == "stopped-100-driver"] == [0]'
+json "every run says what it is asked for" "$tmp/short.json" \
+	'all({"row", "contact", "impact_mps", "closest_m", "warn_s", "partial_s", "full_s", "warn", "partial", "full"} <= set(r) for r in j["runs"])'
+json "no request beyond the physical limit" "$tmp/short.json" \
+	'all(r["full_s"] - r["onset_s"] < r["latest_s"] for r in j["runs"] if r["onset_s"] and r["full"] and "driver" not in r["row"])'
+is "the hash of the configuration is replay's" \
+	"$(python3 -c 'import json, sys; print(json.load(open(sys.argv[1]))["config_hash"])' "$tmp/short.json")" \
+	"$("$AEBMC" generate --config $objects --drive follow | "$AEBMC" replay --config $objects $settings --json - |
+		python3 -c 'import json, sys; print(json.load(sys.stdin)["config_hash"])')"
+"$AEBMC" scenario fmvss127 --short --json --threads 1 >"$tmp/one.json"
+ok "the same bytes from one thread" cmp "$tmp/short.json" "$tmp/one.json"
+ok "drawn cars" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g --vehicles 3 --json
+json "three of each, none the same, no contact" "$tmp/out" \
+	'len(j["runs"]) == 12 and len({r["full_s"] for r in j["runs"]}) > 3 and not any(r["contact"] for r in j["runs"]) and j["sum"]["failed_hi"] == 0.25'
+ok "in words" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp
+like "the table has the row" "$tmp/out" '^brake-80-12m-0.5g-ramp  .* passed$'
+ok "as CSV" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp --csv -
+is "a line for each run and one of names" "$(wc -l <"$tmp/out")" 3
+ok "at -6 m/s2, with the configuration as it is" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp --preset none
+ok "through the frames of another car" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g --config $toyota
+ok "ncap-ccr --short" "$AEBMC" scenario ncap-ccr --short --json
+json "ncap-ccr: no contact" "$tmp/out" 'len(j["runs"]) >= 8 and not any(r["contact"] for r in j["runs"])'
+
+# a plant that does not brake touches: the suite can fail
+ok "a brake of -0.5 m/s2 is not enough" sh -c \
+	"! '$AEBMC' scenario fmvss127 --only stopped-80 --set brake.accel=-0.5 --set brake.accel_partial=-0.5 --json >$tmp/weak.json"
+json "and the impact is told" "$tmp/weak.json" \
+	'all(r["contact"] and r["closest_m"] == 0 and not r["passed"] and 15 < r["impact_mps"] < 22.3 for r in j["runs"] if r["row"] == "stopped-80")'
+
+# the run as a log, replayed
+row=brake-80-12m-0.5g-ramp
+ok "write a run as a log" "$AEBMC" scenario fmvss127 --log-run $row --out "$tmp/run.log"
+# shellcheck disable=SC2086 # several words
+ok "replay it" "$AEBMC" replay --config $objects $settings --json "$tmp/run.log"
+cp "$tmp/out" "$tmp/replay.json"
+ok "the same decisions at the same times" python3 -c '
+import json, sys
+run = [r for r in json.load(open(sys.argv[1]))["runs"] if r["row"] == sys.argv[3]][0]
+replay = json.load(open(sys.argv[2]))
+first = {}
+for e in replay["events"]:
+    first.setdefault(e["level"], e["time_s"] + 0.001)
+assert [replay[k] for k in ("warn", "partial", "full")] == [run[k] for k in ("warn", "partial", "full")], (replay, run)
+assert abs(first["warn"] - run["warn_s"]) < 0.0015 and abs(first["full"] - run["full_s"]) < 0.0015, (first, run)
+' "$tmp/short.json" "$tmp/replay.json" $row
+
+# other rules on the same runs
+ok "compare" "$AEBMC" scenario fmvss127 --short --only brake-80 --compare --json
+json "the daemon among five rules, and it alone neither touches nor brakes early" "$tmp/out" \
+	'[r["rule"] for r in j["rules"]] == ["ttc", "autoware", "ad-rss", "paper", "aebmc"] and [r["rule"] for r in j["rules"] if r["contacts"] == r["early_requests"] == 0] == ["aebmc"]'
+ok "one rule" "$AEBMC" scenario false-activation --only follow-80 --rule ad-rss --json
+json "which brakes where nothing happens" "$tmp/out" 'j["rule"] == "ad-rss" and j["runs"][0]["full"] > 0'
+
+refuses 2 "$AEBMC" scenario
+refuses 2 "$AEBMC" scenario fmvss
+like "it names the nearest suite" "$tmp/err" "nearest is 'fmvss127'"
+refuses 2 "$AEBMC" scenario fmvss127 ncap-ccr
+refuses 2 "$AEBMC" scenario fmvss127 --only nosuchrow
+refuses 2 "$AEBMC" scenario fmvss127 --log-run nosuchrow
+refuses 2 "$AEBMC" scenario fmvss127 --rule rss
+refuses 2 "$AEBMC" scenario fmvss127 --json --csv -
+refuses 2 "$AEBMC" scenario fmvss127 --compare --rule ttc
+refuses 2 "$AEBMC" scenario fmvss127 --vehicles 0
+refuses 2 "$AEBMC" scenario fmvss127 --preset nosuch
+refuses 78 "$AEBMC" scenario fmvss127 --config "$tmp/nosuch.conf"
+refuses 78 "$AEBMC" scenario fmvss127 --set brake.accel=1
+refuses 1 "$AEBMC" scenario fmvss127 --only stopped-80 --csv "$tmp/nosuch/x.csv"
+refuses 1 "$AEBMC" scenario fmvss127 --log-run stopped-80 --out "$tmp/nosuch/x.log"
+done_testing

@@ -3,7 +3,7 @@
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
 car=can-dbc/vehicles/generic.conf
-subs="replay explain decode map inputs generate curve converge verify bench plot paper doctor top arm disarm mark"
+subs="replay explain decode map inputs generate scenario curve converge verify bench plot paper doctor top arm disarm mark"
 
 refuses 2 "$AEBMC"
 refuses 2 "$AEBMC" curv

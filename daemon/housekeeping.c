@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Everything of the live daemon that may block: signals, status socket, log, service manager, watchdog, interfaces,
- * recorder files, reload. The real-time thread never waits for any of it.
+ * reload; and the thread that writes the recorder's files. The real-time thread never waits for any of it.
  */
 #include "live_priv.h"
 
@@ -241,15 +241,15 @@ static void look_after_links(struct live *l)
 	service_notify(line);
 }
 
-static void look_after_events(struct live *l, int64_t now_ns, int finish)
+/* ---- events: a thread of its own, because a disk may take longer than the watchdog waits ---------------- */
+
+static void write_event(struct live *l, int finish)
 {
+	const int64_t now_ns = clock_now_ns();
 	struct timespec real;
 	char path[RECORDER_PATH_MAX], text[RECORDER_PATH_MAX + 64];
 	int ret;
 
-	if (!l->recorder) {
-		return;
-	}
 	clock_gettime(CLOCK_REALTIME, &real);
 	ret = recorder_service(l->recorder, now_ns,
 			       real.tv_sec * CLOCK_NS_PER_S + real.tv_nsec - now_ns, finish, path);
@@ -258,6 +258,20 @@ static void look_after_events(struct live *l, int64_t now_ns, int finish)
 			 ret > 0 ? path : strerror(-ret));
 		service_log(ret > 0 ? SERVICE_NOTICE : SERVICE_ERROR, "EVENT", text);
 	}
+}
+
+void *housekeeping_events(void *arg)
+{
+	const struct timespec pause = {.tv_nsec = ROUND_MS * CLOCK_NS_PER_MS};
+	struct live *l = arg;
+	int finish;
+
+	do {
+		finish = __atomic_load_n(&l->finish, __ATOMIC_ACQUIRE);
+		write_event(l, finish);
+		nanosleep(&pause, NULL);
+	} while (!finish);
+	return NULL;
 }
 
 /* A tracer's trigger that hangs on this writes to a pipe: not in a real-time thread. */
@@ -317,7 +331,6 @@ int housekeeping_run(struct live *l, char *err, int err_len)
 		}
 		feed_watchdog(l, now_ns);
 		tell_tracer(l, now_ns);
-		look_after_events(l, now_ns, 0);
 		if (l->control) {
 			control_serve(l->control);
 		}
@@ -329,6 +342,5 @@ int housekeeping_run(struct live *l, char *err, int err_len)
 		poll(pfd, 2, ROUND_MS);
 	}
 	service_notify("STOPPING=1");
-	look_after_events(l, clock_now_ns(), 1);
 	return ret;
 }

@@ -205,6 +205,28 @@ static void close_recorder(struct live *l)
 	recorder_close(l->recorder);
 }
 
+static int open_events(struct live *l, char *err, int err_len)
+{
+	const int ret = l->recorder ? pthread_create(&l->writer, NULL, housekeeping_events, l) : 0;
+
+	if (ret) {
+		snprintf(err, (size_t)err_len, "cannot create the thread that writes events: %s",
+			 strerror(ret));
+		return -ret;
+	}
+	l->writing = l->recorder != NULL;
+	return 0;
+}
+
+/* After the last frames are out, so that they are in its last event. */
+static void close_events(struct live *l)
+{
+	if (l->writing) {
+		__atomic_store_n(&l->finish, 1, __ATOMIC_RELEASE);
+		pthread_join(l->writer, NULL);
+	}
+}
+
 static int open_pipeline(struct live *l, char *err, int err_len)
 {
 	const struct pipeline_open o = {.cfg = l->cfg,
@@ -380,11 +402,17 @@ static const struct room {
 	int (*open)(struct live *l, char *err, int err_len);
 	void (*close)(struct live *l);
 } rooms[] = {
-	{open_signals, close_signals},     {open_trace, close_nothing},
-	{open_control, close_control},     {open_bus, close_bus},
-	{open_recorder, close_recorder},   {open_pipeline, close_pipeline},
-	{open_thread, stop_thread},        {open_mc, close_mc},
-	{open_real_time, close_real_time}, {open_nothing, stop_thread},
+	{open_signals, close_signals},
+	{open_trace, close_nothing},
+	{open_control, close_control},
+	{open_bus, close_bus},
+	{open_recorder, close_recorder},
+	{open_events, close_events},
+	{open_pipeline, close_pipeline},
+	{open_thread, stop_thread},
+	{open_mc, close_mc},
+	{open_real_time, close_real_time},
+	{open_nothing, stop_thread},
 };
 
 #define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * The daemon on a real bus: three threads. The real-time thread runs the pipeline; the compute thread, behind mc.h, runs
- * batches; the calling thread keeps house (housekeeping.h) until a signal ends it.
+ * The daemon on a real bus. The real-time thread runs the pipeline; the compute thread, behind mc.h, runs batches; the
+ * calling thread keeps house until a signal ends it, and one more writes the recorder's events.
  */
 #ifndef AEBMC_LIVE_H
 #define AEBMC_LIVE_H

@@ -33,6 +33,10 @@ struct live {
 	struct ring *snapshots; /* struct status: written by the real-time thread */
 	int latency_fd;
 
+	pthread_t writer;
+	int writing; /* the thread that writes events exists */
+	int finish;  /* atomic: it should write what it has and end */
+
 	pthread_t thread;
 	int running; /* the real-time thread exists */
 	int stop;    /* atomic: it should end */
@@ -51,6 +55,9 @@ struct live {
 
 /** housekeeping_run - everything that may block, until a signal or an error ends the daemon. 0 or -errno, @err says why. */
 int housekeeping_run(struct live *l, char *err, int err_len);
+
+/** housekeeping_events - writes the recorder's events until l->finish, which ends an open one. The body of a thread. */
+void *housekeeping_events(void *live);
 
 /** housekeeping_answer - one command of the status socket. For control_open(). */
 void housekeeping_answer(void *arg, const char *command, char *reply, size_t size);

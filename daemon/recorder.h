@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * The event recorder: keeps the latest accepted frames and evaluations in memory and, around a warning, a request, a
  * fault, a miss or a mark, writes what came before and after as a candump log with the requests beside it.
- * The real-time thread only puts and triggers; files are the housekeeping thread's.
+ * The real-time thread only puts and triggers; files are another thread's.
  */
 #ifndef AEBMC_RECORDER_H
 #define AEBMC_RECORDER_H
@@ -53,7 +53,7 @@ void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns
  * recorder_service - write the open event once its time after is over (or @finish)
  * @real_minus_mono_ns: what turns a frame's time into that of the log
  * @path: receives the log's path [RECORDER_PATH_MAX] when one was written
- * Housekeeping thread; blocks on the file system. Returns 1 if an event was written, 0 if none was due, -errno (the
+ * One thread alone; blocks on the file system. Returns 1 if an event was written, 0 if none was due, -errno (the
  * event is lost, the partial file removed).
  */
 int recorder_service(struct recorder *r, int64_t now_ns, int64_t real_minus_mono_ns, int finish,

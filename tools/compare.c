@@ -66,12 +66,17 @@ static void note_level(void *arg, double time_s, enum stage_level level)
 	}
 }
 
+/* An array that never grew is NULL. 0 if all was written. */
+static int put(const void *array, size_t size, size_t n, FILE *to)
+{
+	return n > 0 && fwrite(array, size, n, to) != n;
+}
+
 static int write_notes(const struct compare_run *r, FILE *to)
 {
-	return fwrite(&r->head, sizeof(r->head), 1, to) != 1 ||
-	       fwrite(r->change, sizeof(*r->change), r->head.n_changes, to) != r->head.n_changes ||
-	       fwrite(r->point, sizeof(*r->point), r->head.n_points, to) != r->head.n_points ||
-	       fflush(to);
+	return put(&r->head, sizeof(r->head), 1, to) ||
+	       put(r->change, sizeof(*r->change), r->head.n_changes, to) ||
+	       put(r->point, sizeof(*r->point), r->head.n_points, to) || fflush(to);
 }
 
 /* One replay; its notes into @to. Returns its exit code. */

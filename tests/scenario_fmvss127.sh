@@ -33,6 +33,17 @@ ok "in words" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp
 like "the table has the row" "$tmp/out" '^brake-80-12m-0.5g-ramp  .* passed$'
 ok "as CSV" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp --csv -
 is "a line for each run and one of names" "$(wc -l <"$tmp/out")" 3
+ok "as a page" "$AEBMC" scenario fmvss127 --only brake-80-12m --html "$tmp/page.html"
+ok "it is well-formed, with a picture and a row each" python3 -c '
+import html.parser, sys
+class P(html.parser.HTMLParser):
+    n = {}
+    def handle_starttag(self, tag, attrs):
+        self.n[tag] = self.n.get(tag, 0) + 1
+p = P()
+p.feed(open(sys.argv[1]).read())
+assert p.n["svg"] >= 1 and p.n["tr"] == 13 and p.n["th"] == 11, p.n
+' "$tmp/page.html"
 ok "at -6 m/s2, with the configuration as it is" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp --preset none
 ok "through the frames of another car" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g --config $toyota
 ok "ncap-ccr --short" "$AEBMC" scenario ncap-ccr --short --json
@@ -76,6 +87,7 @@ refuses 2 "$AEBMC" scenario fmvss127 --only nosuchrow
 refuses 2 "$AEBMC" scenario fmvss127 --log-run nosuchrow
 refuses 2 "$AEBMC" scenario fmvss127 --rule rss
 refuses 2 "$AEBMC" scenario fmvss127 --json --csv -
+refuses 2 "$AEBMC" scenario fmvss127 --html - --csv -
 refuses 2 "$AEBMC" scenario fmvss127 --compare --rule ttc
 refuses 2 "$AEBMC" scenario fmvss127 --vehicles 0
 refuses 2 "$AEBMC" scenario fmvss127 --preset nosuch

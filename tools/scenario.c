@@ -30,7 +30,7 @@ static const char *const preset_name[] = {"regulation", "none"};
 struct args {
 	struct setup setup;
 	const struct scenario_suite *suite;
-	const char *csv, *only, *log_run, *out;
+	const char *csv, *html, *only, *log_run, *out;
 	const struct rule *rule;
 	int64_t cars, samples, threads, seed;
 	size_t preset;
@@ -63,6 +63,7 @@ enum {
 	KEY_COMPARE,
 	KEY_JSON,
 	KEY_CSV,
+	KEY_HTML,
 	KEY_LIST,
 	KEY_LOG_RUN,
 	KEY_OUT
@@ -85,6 +86,7 @@ static const struct argp_option options[] = {
 	{"compare", KEY_COMPARE, NULL, 0, "the same runs decided by each rule, and by ours", 2},
 	{"json", KEY_JSON, NULL, 0, "one JSON object on standard output", 3},
 	{"csv", KEY_CSV, "FILE", 0, "one line for each run, - for standard output", 3},
+	{"html", KEY_HTML, "FILE", 0, "a page with the table and a picture", 3},
 	{"list", KEY_LIST, NULL, 0, "name SUITE's rows", 3},
 	{"log-run", KEY_LOG_RUN, "ROW", 0,
 	 "this row alone: write what the car sends as a candump log, for aebmc replay", 4},
@@ -141,6 +143,11 @@ static error_t apply_preset(struct args *a, const struct argp_state *st)
 	return 0;
 }
 
+static int is_stdout(const char *path)
+{
+	return path && !strcmp(path, "-");
+}
+
 static error_t check(struct args *a, const struct argp_state *st)
 {
 	if (!a->suite) {
@@ -149,11 +156,12 @@ static error_t check(struct args *a, const struct argp_state *st)
 	if (!a->setup.path) {
 		a->setup.path = CONFIG_DEFAULT;
 	}
-	if (a->json && a->csv && !strcmp(a->csv, "-")) {
-		return cli_bad(st, "--json and --csv - both want standard output");
+	if (is_stdout(a->csv) + is_stdout(a->html) + a->json > 1) {
+		return cli_bad(st,
+			       "only one of --json, --csv - and --html - can have standard output");
 	}
-	if (a->compare && (a->rule || a->csv || a->log_run)) {
-		return cli_bad(st, "--compare goes without --rule, --csv and --log-run");
+	if (a->compare && (a->rule || a->csv || a->html || a->log_run)) {
+		return cli_bad(st, "--compare goes without --rule, --csv, --html and --log-run");
 	}
 	return apply_preset(a, st);
 }
@@ -192,6 +200,9 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 		return 0;
 	case KEY_CSV:
 		a->csv = arg;
+		return 0;
+	case KEY_HTML:
+		a->html = arg;
 		return 0;
 	case KEY_LIST:
 		a->list = 1;
@@ -336,26 +347,54 @@ static int report(const struct work *w)
 
 	if (w->args->json) {
 		scenario_json(stdout, &w->plan, w->result);
-	} else if (!w->args->csv || strcmp(w->args->csv, "-") != 0) {
+	} else if (!is_stdout(w->args->csv) && !is_stdout(w->args->html)) {
 		scenario_words(stdout, &w->plan, w->result);
 	}
 	return failed ? CLI_FAILED : CLI_GOOD;
 }
 
+/* Files are opened before the runs: what cannot be written is said at once. */
+struct files {
+	FILE *csv, *html;
+};
+
+static int open_files(const struct work *w, struct files *f)
+{
+	const struct args *a = w->args;
+
+	f->csv = a->csv ? cli_create(w->name, a->csv) : NULL;
+	f->html = a->html ? cli_create(w->name, a->html) : NULL;
+	return (a->csv && !f->csv) || (a->html && !f->html) ? CLI_FAILED : 0;
+}
+
+static int close_files(const struct work *w, const struct files *f, int written)
+{
+	int code = 0;
+
+	if (f->csv) {
+		if (written) {
+			scenario_csv(f->csv, &w->plan, w->result);
+		}
+		code = cli_close(w->name, w->args->csv, f->csv);
+	}
+	if (f->html) {
+		const int error = written ? scenario_html(f->html, &w->plan, w->result) : 0;
+		const int closing = cli_close(w->name, w->args->html, f->html);
+
+		code = error ? cli_error(CLI_FAILED, w->name, "%s", strerror(-error)) : code;
+		code = code ? code : closing;
+	}
+	return code;
+}
+
 static int suite(struct work *w)
 {
-	const char *path = w->args->csv;
-	FILE *csv = path ? cli_create(w->name, path) : NULL;
+	struct files f;
+	int code = open_files(w, &f);
 
-	if (path && !csv) {
-		return CLI_FAILED;
-	}
-	int code = scenario_pool(&w->plan, w->result);
+	code = code ? code : scenario_pool(&w->plan, w->result);
 
-	if (csv && !code) {
-		scenario_csv(csv, &w->plan, w->result);
-	}
-	const int closing = csv ? cli_close(w->name, path, csv) : 0;
+	const int closing = close_files(w, &f, !code);
 
 	code = code ? code : report(w);
 	return closing ? closing : code;

@@ -149,7 +149,7 @@ static void cell(FILE *out, int width, const char *fmt, double v)
 	fprintf(out, "%*s", width, text);
 }
 
-static const char *verdict(const struct scenario *s, const struct scenario_row *r)
+const char *scenario_verdict(const struct scenario *s, const struct scenario_row *r)
 {
 	switch (s->goal) {
 	case GOAL_STATED:
@@ -204,7 +204,7 @@ static void print_row(FILE *out, const struct scenario_plan *p, int row,
 	cell(out, 8, "%.2f", a.spare_s);
 	cell(out, 8, "%.2f", a.before_mps2);
 	cell(out, 8, "%.2f", a.after_mps2);
-	fprintf(out, "  %s\n", verdict(s, &a));
+	fprintf(out, "  %s\n", scenario_verdict(s, &a));
 }
 
 static void print_sum(FILE *out, const struct scenario_sum *s)

@@ -34,6 +34,12 @@ struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
 /** scenario_sum_of - over [rows][cars]. Allocates and frees; without memory the median is NaN. */
 struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct scenario_result *r);
 
+/** scenario_verdict - what became of the row's goal, in words. */
+const char *scenario_verdict(const struct scenario *s, const struct scenario_row *r);
+
+/** scenario_html - a page that needs nothing else. 0 or -ENOMEM; write errors stay in ferror(@out). */
+int scenario_html(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);
+
 /** scenario_words, scenario_csv, scenario_json - the report. Write errors stay in ferror(). */
 void scenario_words(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);
 void scenario_csv(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);

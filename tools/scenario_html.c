@@ -1,0 +1,223 @@
+/* SPDX-License-Identifier: MIT
+ * What came of a suite as one page that needs nothing else: when it warned and braked beside the physical limit, and the
+ * table.
+ */
+#include <errno.h>
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include "cli.h"
+#include "rules.h"
+#include "scenario_report.h"
+#include "svg.h"
+
+#define LANE_PX  15.0
+#define FRAME_PX 120.0 /* title, axis and legend */
+
+static const char style[] =
+	"body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:1100px;padding:0 1rem;"
+	"color:#1b1f24;background:#fff}"
+	"@media(prefers-color-scheme:dark){body{color:#e6e8eb;background:#14171a}}"
+	"table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}"
+	"th,td{text-align:right;padding:.15rem .5rem;border-bottom:1px solid #8886}"
+	"th:first-child,td:first-child,td:last-child{text-align:left}.bad{font-weight:600;color:#"
+	"c33}"
+	"svg{max-width:100%;height:auto;display:block;margin:1rem 0}";
+
+struct column {
+	const char *name;
+	double (*of)(const struct scenario_plan *p, int row, const struct scenario_row *r);
+};
+
+static double contacts_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->contacts;
+}
+
+static double impact_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->contacts ? r->impact_mps : NAN;
+}
+
+static double closest_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->closest_m;
+}
+
+static double warn_column(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->warn_s;
+}
+
+static double request_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->request_s;
+}
+
+static double request99_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->request99_s;
+}
+
+static double latest_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)r;
+	return p->latest_s[row];
+}
+
+static double before_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->before_mps2;
+}
+
+static double after_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)p, (void)row;
+	return r->after_mps2;
+}
+
+static const struct column column[] = {
+	{"contacts", contacts_of},   {"impact, m/s", impact_of},  {"closest, m", closest_of},
+	{"warning, s", warn_column}, {"request, s", request_of},  {"99 %, s", request99_of},
+	{"latest, s", latest_of},    {"before, m/s2", before_of}, {"after, m/s2", after_of},
+};
+#define COLUMNS (sizeof(column) / sizeof(column[0]))
+
+/* ---- table ------------------------------------------------------------------------------------- */
+
+static void table(FILE *out, const struct scenario_plan *p, const struct scenario_row *r)
+{
+	fputs("<table><tr><th>row", out);
+	for (size_t i = 0; i < COLUMNS; i++) {
+		fprintf(out, "<th>%s", column[i].name);
+	}
+	fputs("<th></tr>\n", out);
+	for (int row = 0; row < p->rows; row++) {
+		fputs("<tr><td>", out);
+		svg_escape(out, p->row[row].name);
+		for (size_t i = 0; i < COLUMNS; i++) {
+			const double v = column[i].of(p, row, &r[row]);
+
+			fprintf(out, isfinite(v) ? "<td>%.*f" : "<td>", i ? 2 : 0, v);
+		}
+		fprintf(out, "<td%s>%s</tr>\n", r[row].failed ? " class=bad" : "",
+			scenario_verdict(&p->row[row], &r[row]));
+	}
+	fputs("</table>\n", out);
+}
+
+/* ---- picture ----------------------------------------------------------------------------------- */
+
+static double end_s(const struct scenario_plan *p, const struct scenario_row *r)
+{
+	double end = 1;
+
+	for (int i = 0; i < p->rows; i++) {
+		end = fmax(end, fmax(r[i].warn_s, r[i].request99_s));
+		end = isfinite(p->latest_s[i]) ? fmax(end, p->latest_s[i]) : end;
+	}
+	return ceil(end);
+}
+
+static void lanes(struct svg *s, const struct scenario_plan *p, const struct scenario_row *r)
+{
+	for (int i = 0; i < p->rows; i++) {
+		const double lane = i;
+
+		if (isfinite(r[i].request_s)) {
+			svg_span(s, SVG_AMBER, i, fmin(r[i].warn_s, r[i].request_s), r[i].request_s,
+				 "");
+		}
+		svg_dots(s, SVG_AMBER, &r[i].warn_s, &lane, 1);
+		svg_dots(s, SVG_RED, &r[i].request_s, &lane, 1);
+		svg_dots(s, SVG_GREY, &p->latest_s[i], &lane, 1);
+	}
+}
+
+static void picture(FILE *out, const struct scenario_plan *p, const struct scenario_row *r,
+		    const char **name)
+{
+	static const struct svg_key key[] = {
+		{SVG_AMBER, SVG_KEY_AREA, "warning to request (median)"},
+		{SVG_RED, SVG_KEY_DOT, "request"},
+		{SVG_GREY, SVG_KEY_DOT, "physical latest moment"},
+	};
+	const struct svg_page page = {
+		.width_px = 1000,
+		.height_px = FRAME_PX + LANE_PX * p->rows,
+		.title = p->suite->doc,
+		.left_px = 260,
+		.embedded = 1,
+	};
+	const struct svg_panel panel = {
+		.x = {.label = "from the lead's onset, or from the start, s",
+		      .min = 0,
+		      .max = end_s(p, r)},
+		.y = {.scale = SVG_NAMES, .name = name, .n = p->rows},
+		.key = key,
+		.keys = 3,
+	};
+	struct svg s = svg_start(out, &page);
+
+	svg_panel(&s, &panel);
+	lanes(&s, p, r);
+	svg_end(&s);
+}
+
+/* ---- page -------------------------------------------------------------------------------------- */
+
+static void summary(FILE *out, const struct scenario_plan *p, const struct scenario_sum *s)
+{
+	char cpu[128];
+
+	cli_cpu_name(cpu, sizeof(cpu));
+	fprintf(out,
+		"<h1>aebmc scenario %s</h1><p>%" PRIu64
+		" runs; full braking %g m/s<sup>2</sup>, %lld "
+		"samples, configuration %016" PRIx64 "%s%s; ",
+		p->suite->name, s->runs, p->cfg->brake_accel, (long long)p->cfg->mc_samples,
+		config_hash(p->cfg, p->map), p->rule ? ", decided by " : "",
+		p->rule ? p->rule->name : "");
+	svg_escape(out, cpu);
+	fprintf(out,
+		"</p><p>%" PRIu64 " of %" PRIu64
+		" with a goal missed it (95 %% interval %.3g .. %.3g %%); %" PRIu64
+		" with contact, %" PRIu64 " with a request, of which %" PRIu64
+		" without a warning before</p>\n",
+		s->failed, s->judged, s->lo * 100, s->hi * 100, s->contacts, s->requests,
+		s->unwarned);
+}
+
+int scenario_html(FILE *out, const struct scenario_plan *p, const struct scenario_result *r)
+{
+	const struct scenario_sum sum = scenario_sum_of(p, r);
+	struct scenario_row *row = calloc((size_t)p->rows, sizeof(*row));
+	const char **name = calloc((size_t)p->rows, sizeof(*name));
+	const int ok = row && name;
+
+	for (int i = 0; ok && i < p->rows; i++) {
+		row[i] = scenario_row_of(p, i, r + i * p->cars);
+		name[i] = p->row[i].name;
+	}
+	if (ok) {
+		fprintf(out,
+			"<!doctype html><html lang=en><meta charset=utf-8><title>aebmc scenario "
+			"%s</title><style>%s",
+			p->suite->name, style);
+		svg_css(out);
+		fputs("</style>\n", out);
+		summary(out, p, &sum);
+		picture(out, p, row, name);
+		table(out, p, row);
+	}
+	free(row);
+	free(name);
+	return ok ? 0 : -ENOMEM;
+}

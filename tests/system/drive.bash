@@ -54,7 +54,7 @@ recorded_drive_as_in_its_replay() {
 candump_decodes_our_frames() {
 	good || return 1
 	listen vcan0$OURS
-	sleep 1
+	pause 1
 	heard
 	awk '{ print $3 }' /tmp/words | sort | uniq -c
 	[ "$(awk '{ print $3 }' /tmp/words | sort -u | wc -l)" = 5 ] && ! grep -qiE 'checksum|length' /tmp/words &&

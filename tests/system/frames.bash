@@ -14,11 +14,10 @@ crc_table() {
 	done
 }
 data_ids() {
-	sed -n "s/^BA_ \"DataIDList\" BO_ $((16#$1)) \"\(.*\)\";/\1/p" /usr/share/aebmc/vehicles/generic.dbc |
-		tr -d ' ' | sed 's/0x//g; s/,//g'
+	sed -n "s/^BA_ \"E2EDataIDList\" BO_ $((16#$1)) \"\(.*\)\";/\1/p" /usr/share/aebmc/vehicles/generic.dbc | tr -d ' '
 }
 
-# gateway [ID MODIFICATION [resign]]: everything passes, frames of ID modified
+# gateway [ID MODIFICATION [resign]]: everything passes; from now on frames of ID are modified. Without a gap.
 gateway() {
 	local sign=
 	if [ $# -eq 0 ]; then
@@ -26,9 +25,9 @@ gateway() {
 		return
 	fi
 	[ "${3:-}" = resign ] && sign="-c 1:7:0:FF:FF:$(crc_table) -p 2:$(data_ids "$1")"
-	cangw -A -s vcan1 -d vcan0 -e -f "$1~7FF" || return 1
 	# shellcheck disable=SC2086 # two options and their values
-	cangw -A -s vcan1 -d vcan0 -e -f "$1:7FF" -m "$2" $sign
+	cangw -A -s vcan1 -d vcan0 -e -f "$1:7FF" -m "$2" $sign && cangw -A -s vcan1 -d vcan0 -e -f "$1~7FF" &&
+		cangw -D -s vcan1 -d vcan0 -e
 }
 gateway_off() { cangw -F; }
 
@@ -60,7 +59,7 @@ repeated() { netem duplicate 100% && grows rejected.counter 100 && state_is ARME
 repeated_frames_are_not_used() { through repeated; }
 
 delayed() {
-	netem delay 400ms && within 1 state_is INHIBIT && has_reason EGO_STALE && armed && calm && within 2 state_is INHIBIT && armed
+	netem delay 400ms && within 1 state_is INHIBIT && has_reason EGO_STALE && armed && calm && armed
 }
 delayed_frames_inhibit_and_pass() { through delayed; }
 
@@ -70,40 +69,40 @@ reordered_frames_are_not_used() { through reordered; }
 corrupted() { netem corrupt 30% && grows rejected.crc 20 && calm && armed && is 'counters.warn == 0'; }
 corrupted_frames_are_not_used() { through corrupted; }
 
+# falsified REASON ID MODIFICATION [resign]
 falsified() {
-	gateway_off
-	gateway "$@" || return 1
-	within 2 state_is INHIBIT && reasons
+	gateway "${@:2}" || return 1
+	within 2 has_reason "$1" && state_is INHIBIT && return
+	cangw -L
+	ask status
+	return 1
 }
-falsified_frames_inhibit() { through falsified 100 XOR:D:100.8.0000001000000000 && is 'rejected.crc > 2'; }
-
+falsified_frames_inhibit() { through falsified INPUT_CHECK 100 XOR:D:100.8.0000001000000000 && is 'rejected.crc > 2'; }
 resigned() {
 	local crc
-	crc=$(field rejected.crc) && falsified 100 XOR:D:100.8.0000001000000000 resign && has_reason IMPLAUSIBLE &&
+	crc=$(field rejected.crc) && falsified IMPLAUSIBLE 100 XOR:D:100.8.0000001000000000 resign &&
 		is "rejected.crc == $crc and rejected.implausible > 2"
 }
 resigned_frames_are_implausible() { through resigned; }
-
-frozen() {
-	# A counter that stands still, signed: a controller that repeats itself.
-	falsified 110 AND:D:110.8.FFF0FFFFFFFFFFFF resign && within 2 has_reason RADAR_STALE
+# A counter that stands still, signed: a controller that repeats itself.
+signed_frames_with_a_frozen_counter_are_stale() {
+	through falsified RADAR_STALE 110 AND:D:110.8.FFF0FFFFFFFFFFFF resign && is 'rejected.counter > 2 and rejected.crc == 0'
 }
-signed_frames_with_a_frozen_counter_are_stale() { through frozen; }
 
 # ---- other senders ------------------------------------------------------------------------------------------------
 
 stale_input_inhibits_within_3_periods() {
 	good || return 1
 	listen vcan0
-	sleep 0.3
+	pause 0.3
 	traffic_stop
-	sleep 0.3
+	pause 0.3
 	heard
 	at_most 80 "$(first_after "$(last_of 100)" 'AEB_REQUEST: state INHIBIT')" "3 periods of 20 ms, next request frame: INHIBIT after" &&
 		has_reason EGO_STALE
 }
 good_traffic_arms_within_1_s() {
-	good && traffic_stop && within 2 state_is INHIBIT && sleep 2 || return 1
+	good && traffic_stop && within 2 state_is INHIBIT && pause 2 || return 1
 	listen vcan0
 	traffic follow.log
 	armed
@@ -131,9 +130,9 @@ bus_off_inhibits() {
 	cansend vcan0 20000100#0000000000000000 # restarted
 	within 3 lacks_reason BUS_OFF && armed
 }
-bus_off_lasts_while_nothing_comes() {
-	good && traffic_stop && cansend vcan0 20000040#0000000000000000 && within 1 has_reason BUS_OFF && sleep 2 &&
-		has_reason BUS_OFF && cansend vcan0 20000100#0000000000000000 && within 3 lacks_reason BUS_OFF
+bus_off_lasts_until_restarted() {
+	good bus.transmit=none && traffic_stop && cansend vcan0 20000040#0000000000000000 && within 1 has_reason BUS_OFF &&
+		pause 2 && has_reason BUS_OFF && cansend vcan0 20000100#0000000000000000 && within 3 lacks_reason BUS_OFF
 }
 error_flood_is_survived() {
 	good || return 1

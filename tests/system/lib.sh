@@ -11,16 +11,16 @@ OURS=,2A0:7F8 # candump's filter for our frames
 
 # t NAME COMMAND...: one test; it passes if the command does
 t() {
-	local name=$1 start ms
+	local name=$1 start
 	shift
 	n=$((n + 1))
-	start=$(uptime_ms)
+	clock && start=$now_ms
 	if "$@" >/tmp/test.log 2>&1; then
-		ms=$(($(uptime_ms) - start))
-		echo "ok $n - $name$(sed -n 's/^said: / : /p' /tmp/test.log | tr '\n' ' ') ($ms ms)"
+		clock
+		echo "ok $n - $name$(sed -n 's/^said: / : /p' /tmp/test.log | tr '\n' ' ') ($((now_ms - start)) ms)"
 	else
-		ms=$(($(uptime_ms) - start))
-		echo "not ok $n - $name ($ms ms)"
+		clock
+		echo "not ok $n - $name ($((now_ms - start)) ms)"
 		failed=$((failed + 1))
 		running= # whatever runs is not trusted
 		tail -n 12 /tmp/test.log | cut -c 1-300 | sed 's/^/# /'
@@ -34,41 +34,66 @@ skip() {
 	echo "ok $n - $1 # SKIP needs $2"
 }
 
-# Time that no step of the clock changes.
-uptime_ms() {
+# clock: sets now_ms, a time that no step of the clock changes
+clock() {
 	local up
 	read -r up _ </proc/uptime
-	echo "${up%.*}${up#*.}0"
+	now_ms=${up%.*}${up#*.}0
 }
+
+# Every program that is started costs the emulation about as much as a second of the daemon's work: what is asked again
+# and again is asked of one process, and waiting is a read of a pipe that never gives anything.
+rm -f /tmp/ask.in /tmp/ask.out /tmp/never
+mkfifo /tmp/ask.in /tmp/ask.out /tmp/never
+exec 7<>/tmp/ask.in 8<>/tmp/ask.out 9<>/tmp/never
+python3 -uc 'import socket, sys
+while True:
+    try:
+        command = sys.stdin.readline()
+        with socket.socket(socket.AF_UNIX) as s:
+            s.settimeout(2)
+            s.connect("/run/aebmc/test/status.sock")
+            s.sendall(command.encode())
+            print(s.makefile().readline().strip(), flush=True)
+    except OSError as e:
+        print("no answer:", e, flush=True)
+' <&7 >&8 9>&- &
+asker=$!
+pause() { read -rt "$1" <&9; true; }
 
 # within SECONDS COMMAND...: until the command succeeds, at most that long (0.5 is fine)
 within() {
-	local limit end
-	limit=$(awk "BEGIN { print int($1 * 1000) }")
-	end=$(($(uptime_ms) + limit))
+	local limit=$1 end step
 	shift
+	[[ $limit == *.* ]] && limit=${limit/./}00 || limit=${limit}000
+	limit=$((10#$limit)) step=$((10#$limit / 100))
+	[ $step -ge 30 ] || step=30
+	printf -v step 0.%03d $step
+	clock && end=$((now_ms + limit))
 	until "$@" >/dev/null 2>&1; do
-		if [ "$(uptime_ms)" -ge $end ]; then
+		clock
+		if [ "$now_ms" -ge $end ]; then
 			echo "not within $limit ms: $*"
 			return 1
 		fi
-		sleep 0.02
+		pause $step
 	done
 }
 
 # ---- what the daemon says -------------------------------------------------------------------------------------
 
-# ask COMMAND: one line to the status socket, one line back
-ask() {
-	case $1 in
-	status) aebmc top --once --json --socket $SOCKET ;;
-	*) aebmc "$1" --socket $SOCKET ;;
-	esac
+# ask COMMAND: one line to the status socket, one line back; fails on no answer and on a refusal
+ask() { asked_for "$1" && echo "$reply"; }
+# The same into $reply, without a process of its own.
+asked_for() {
+	reply=
+	echo "$1" >&7
+	read -rt 5 reply <&8 && [[ $reply == {* && $reply != {\"error\"* ]]
 }
 
-# value JSON PATH: what stands at a path such as counters.warn or links.0.state; fails if there is nothing
+# value JSON PATH: sets $got to what stands at a path such as counters.warn or links.0.state; fails if there is nothing
 value() {
-	local rest=$1 key got
+	local rest=$1 key
 	for key in ${2//./ }; do
 		if [[ $key =~ ^[0-9]+$ ]]; then
 			while [ "$key" -gt 0 ]; do
@@ -81,43 +106,44 @@ value() {
 		rest=${rest#*"\"$key\":"}
 	done
 	[[ $rest == '['* || $rest == '{'* ]] && got=${rest%%[\]\}]*} || got=${rest%%[,\}\]]*}
-	[ -n "$got" ] && [ "$got" != null ] || return 1
-	echo "${got//\"/}"
+	got=${got//\"/}
+	[ -n "$got" ] && [ "$got" != null ]
 }
 
 # field PATH: of the daemon's status
 field() {
-	local status
-	status=$(ask status) && value "$status" "${1#.}"
+	local got
+	asked_for status && value "$reply" "${1#.}" && echo "$got"
 }
 
 # is 'PATH OP VALUE [and PATH OP VALUE]...': true of one and the same status? OP: == != > >= < <=
 is() {
-	local status got path op want rest="$1 and "
-	status=$(ask status) && [ -n "$status" ] || return 1
+	local got path op want rest="$1 and "
+	asked_for status || return 1
 	while [ -n "$rest" ]; do
 		read -r path op want <<<"${rest%% and *}"
 		rest=${rest#* and } want=${want//\"/}
-		got=$(value "$status" "${path#.}") || { echo "there is no $path" && return 1; }
+		value "$reply" "${path#.}" || { echo "there is no $path" && return 1; }
 		case $op in
 		==) [ "$got" = "$want" ] ;;
 		!=) [ "$got" != "$want" ] ;;
-		*) awk -v a="$got" -v b="$want" "BEGIN { exit !(a $op b) }" ;;
+		*)
+			if [[ $got$want =~ ^[0-9]+$ ]]; then
+				(("$got" $op "$want"))
+			else
+				awk -v a="$got" -v b="$want" "BEGIN { exit !(a $op b) }"
+			fi
+			;;
 		esac || { echo "$path is $got, not $op $want" && return 1; }
 	done
 }
 
 state_is() { is "state == $1"; }
 armed() { within "${1:-10}" state_is ARMED; }
-reasons() {
-	local status
-	status=$(ask status) && [[ $status =~ \"reasons\":\[([^]]*)\] ]] && echo ",${BASH_REMATCH[1]//\"/},"
-}
-has_reason() { [[ $(reasons) == *",$1,"* ]]; }
-lacks_reason() {
-	local got
-	got=$(reasons) && [[ $got != *",$1,"* ]]
-}
+# Sets $why to ",REASON,REASON,".
+reasons() { asked_for status && [[ $reply =~ \"reasons\":\[([^]]*)\] ]] && why=",${BASH_REMATCH[1]//\"/},"; }
+has_reason() { reasons && [[ $why == *",$1,"* ]]; }
+lacks_reason() { reasons && [[ $why != *",$1,"* ]]; }
 
 pid() {
 	local p
@@ -161,7 +187,12 @@ configure() {
 					print line
 				}
 			}
-			for (name in set) { if (!(name in done)) { print "[" section_of(name) "]\n" row(name) } }
+			for (name in set) { # sections that the file does not have
+				if (!(name in done)) {
+					print "[" section_of(name) "]"
+					for (other in set) { if (section_of(other) == section_of(name)) { print row(other) } }
+				}
+			}
 		}' >$CONF
 }
 
@@ -208,21 +239,22 @@ traffic_stop() {
 # play LOG [ARGUMENT...]: once, to its end
 play() {
 	traffic_stop
-	chrt -f 40 canplayer -I "$LOGS/$1" "${@:2}" >/dev/null
+	chrt -f 40 canplayer -g 1 -I "$LOGS/$1" "${@:2}" >/dev/null
 }
 
 # ---- what is on the bus ---------------------------------------------------------------------------------------------
 
-# listen INTERFACE[FILTER]...: from now on into /tmp/bus.log, until heard
+# listen INTERFACE[FILTER]...: from now on into /tmp/bus.log, until heard. On an interface that goes down candump would
+# end, on `any` it does not.
 listen() {
 	chrt -f 30 candump -L "$@" >/tmp/bus.log &
 	listener=$!
-	sleep 0.05
+	pause 0.1
 }
 
 # heard: stop listening; our frames in words go to /tmp/words
 heard() {
-	sleep 0.05
+	pause 0.05
 	kill $listener
 	wait $listener 2>/dev/null
 	aebmc decode --config $CONF /tmp/bus.log >/tmp/words

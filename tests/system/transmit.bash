@@ -4,8 +4,8 @@
 # hear_drive [COMMAND...]: the end of the bundled drive, in which a request is due; COMMAND runs as soon as it is
 hear_drive() {
 	traffic_stop
-	listen vcan0
-	chrt -f 40 canplayer -I $LOGS/brake-end.log vcan0=can0 >/dev/null &
+	listen any
+	chrt -f 40 canplayer -g 2 -I $LOGS/brake-end.log vcan0=can0 >/dev/null &
 	local player=$!
 	within 15 is 'level == full' || { kill $player; heard; return 1; }
 	"${@:-true}"
@@ -20,8 +20,8 @@ none_is_silent() {
 	[ ! -s /tmp/words ] && is 'counters.sent == 0 and counters.full >= 1'
 }
 none_and_shadow_cannot_be_armed() {
-	good bus.transmit=none && ! ask arm 2>/tmp/why && grep -q 'bus.transmit is not armed' /tmp/why || return 1
-	good && ! ask arm 2>/tmp/why && grep -q 'bus.transmit is not armed' /tmp/why && is 'armed == false'
+	good bus.transmit=none && ! asked_for arm && [[ $reply == *'bus.transmit is not armed'* ]] || return 1
+	good && ! asked_for arm && [[ $reply == *'bus.transmit is not armed'* ]] && is 'armed == false'
 }
 shadow_never_asks() {
 	good && hear_drive && grep -q 'stage full, request none' /tmp/words && ! asked
@@ -47,21 +47,29 @@ stamped() {
 	at=$EPOCHREALTIME
 	"$@"
 }
-disarm_ends_a_request() { requesting stamped ask disarm && ended_within 100 "$at" && is 'armed == false'; }
+stamped_kill() {
+	local p
+	p=$(pid) && stamped kill "$@" "$p"
+}
+# next_request: the first request frame after $at
+next_request() { awk -v t="$at" '$1 > t && /AEB_REQUEST/ { print; exit }' /tmp/words; }
+
+disarm_ends_a_request() { requesting stamped ask disarm && ended_within 40 "$at" && is 'armed == false'; }
 term_ends_a_request_with_a_clean_last_frame() {
-	requesting stamped systemctl kill aebmcd@test || return 1
-	within 5 sh -c '! systemctl is-active aebmcd@test' || return 1
+	requesting stamped_kill || return 1
+	within 5 gone || return 1
 	running=
 	tail -n 3 /tmp/words
-	grep AEB_REQUEST /tmp/words | tail -n 1 | grep -q 'state INHIBIT.*request none' &&
-		ended_within 200 "$at" && at_most 200 "$(awk -v t="$at" 'END { print ($1 - t) * 1000 }' /tmp/words)" "last frame after"
+	[[ $(grep AEB_REQUEST /tmp/words | tail -n 1) == *"state INHIBIT"*"request none"* ]] && ended_within 200 "$at" &&
+		at_most 200 "$(awk -v t="$at" 'END { print ($1 - t) * 1000 }' /tmp/words)" "last frame after"
 }
+gone() { ! active; }
 kill_ends_a_request_and_the_arming() {
-	requesting stamped systemctl kill -s KILL aebmcd@test
+	requesting stamped_kill -KILL || return 1
 	running=
-	asked || return 1
-	within 5 is 'armed == false' && awk -v t="$at" '$1 > t + 0.02 && /AEB_REQUEST/' /tmp/words | head -n 1 | grep 'state INIT' &&
-		! awk -v t="$at" '$1 > t + 0.02' /tmp/words | grep 'request brake'
+	asked && within 5 is 'armed == false' || return 1
+	next_request
+	[[ $(next_request) == *"state INIT"*"request none"* ]] && ! awk -v t="$at" '$1 > t' /tmp/words | grep 'request brake'
 }
 restart_ends_the_arming() {
 	good bus.transmit=armed && ask arm && is 'armed == true' && systemctl restart aebmcd@test && is 'armed == false'
@@ -71,26 +79,29 @@ silence_ends_a_request() {
 	ended_within 80 "$(last_of 100)" && grep -q 'state INHIBIT.*request none' /tmp/words
 }
 # The player of hear_drive.
-traffic_ends() { pkill -KILL -x canplayer; }
+traffic_ends() {
+	pkill -KILL -x canplayer
+	pause 0.2
+}
 link_loss_ends_a_request() {
 	requesting lose_the_link || return 1
-	asked && awk -v t="$at" '$1 > t && /AEB_REQUEST/' /tmp/words | head -n 1 | grep 'state INHIBIT.*request none'
+	next_request
+	asked && [[ $(next_request) == *"state INHIBIT"*"request none"* ]]
 }
 lose_the_link() {
 	traffic_ends
 	ip link set vcan0 down
-	sleep 0.3
+	pause 0.3
 	stamped ip link set vcan0 up
-	sleep 1
+	pause 1
 }
 driver_ends_a_request() {
 	good bus.transmit=armed && ask arm && gateway || return 1
 	listen vcan0
 	traffic_stop
-	chrt -f 40 canplayer -I $LOGS/brake-end.log vcan1=can0 >/dev/null &
+	chrt -f 40 canplayer -g 2 -I $LOGS/brake-end.log vcan1=can0 >/dev/null &
 	local player=$!
 	within 15 is 'level == full' || { kill $player; heard; gateway_off; return 1; }
-	gateway_off
 	gateway 101 OR:D:101.8.000000FA00000000 resign # the accelerator at 100 %
 	at=$EPOCHREALTIME
 	wait $player

@@ -37,7 +37,22 @@ if [ -r $recording ]; then
 	# shellcheck disable=SC2086 # several words
 	ok "the recorded drive with these settings" "$AEBMC" replay --config $toyota $settings --json "$tmp/drive.log"
 	json "the recorded drive: no partial or full request" "$tmp/out" 'j["full"] == 0 and j["partial"] == 0 and j["evaluations"] > 1000'
+	ok "as a row of the suite, through the recorded car's frames" "$AEBMC" scenario false-activation --config $toyota \
+		--log "$tmp/drive.log" --short --json
+	json "the same, warned once as in replay" "$tmp/out" \
+		'[(r["warn"], r["partial"], r["full"]) for r in j["runs"] if r["row"] == "recorded-drive"] == [(1, 0, 0)]'
+	json "plates are not passed by a radar that does not say how sure it is" "$tmp/out" \
+		'{r["row"]: r["goal"] for r in j["runs"]}["plate"] == "unknowable" and j["sum"]["failed"] == 0'
 else
 	skip "the recorded drive" shared
+	: >"$tmp/drive.log"
 fi
+
+"$AEBMC" scenario fmvss127 --live nosuch0 --only stopped-80 >"$tmp/out" 2>"$tmp/err"
+is "live without CAN or its interface: one line" "$(wc -l <"$tmp/err")" 1
+refuses 1 "$AEBMC" scenario false-activation --short --log "$tmp/nosuch.log"
+refuses 2 "$AEBMC" scenario fmvss127 --log "$tmp/drive.log"
+refuses 2 "$AEBMC" scenario false-activation --log "$tmp/drive.log" --vehicles 2
+refuses 2 "$AEBMC" scenario fmvss127 --live vcan0 --compare
+refuses 2 "$AEBMC" scenario fmvss127 --live "0123456789012345678901234567890123456789012345678901234567890123"
 done_testing

@@ -10,6 +10,7 @@
 #include "engine.h"
 #include "rules.h"
 #include "scenario_compare.h"
+#include "scenario_live.h"
 #include "scenario_report.h"
 #include "setup.h"
 #include "text.h"
@@ -30,10 +31,11 @@ static const char *const preset_name[] = {"regulation", "none"};
 struct args {
 	struct setup setup;
 	const struct scenario_suite *suite;
-	const char *csv, *html, *only, *log_run, *out;
+	const char *csv, *html, *only, *log_run, *out, *log, *live;
 	const struct rule *rule;
 	int64_t cars, samples, threads, seed;
 	size_t preset;
+	char interfaces[64];
 	int json, is_short, compare, list;
 };
 
@@ -65,6 +67,8 @@ enum {
 	KEY_CSV,
 	KEY_HTML,
 	KEY_LIST,
+	KEY_LOG,
+	KEY_LIVE,
 	KEY_LOG_RUN,
 	KEY_OUT
 };
@@ -88,6 +92,9 @@ static const struct argp_option options[] = {
 	{"csv", KEY_CSV, "FILE", 0, "one line for each run, - for standard output", 3},
 	{"html", KEY_HTML, "FILE", 0, "a page with the table and a picture", 3},
 	{"list", KEY_LIST, NULL, 0, "name SUITE's rows", 3},
+	{"log", KEY_LOG, "LOG", 0,
+	 "false-activation: a recorded drive of the configured car as one more row", 4},
+	{"live", KEY_LIVE, "IFACE", 0, "in real time against a daemon on this interface", 4},
 	{"log-run", KEY_LOG_RUN, "ROW", 0,
 	 "this row alone: write what the car sends as a candump log, for aebmc replay", 4},
 	{"out", KEY_OUT, "FILE", 0, "where to; - is standard output, the default", 4},
@@ -124,6 +131,18 @@ static error_t parse_rule(struct args *a, const char *arg, const struct argp_sta
 	return a->rule ? 0
 		       : cli_bad(st, "--rule: no rule '%s'; nearest is '%s'", arg,
 				 text_nearest(arg, &rule_table[0].name, n, sizeof(rule_table[0])));
+}
+
+/* As if --set bus.interfaces had been given last. */
+static error_t apply_live(struct args *a, const struct argp_state *st)
+{
+	const int n = snprintf(a->interfaces, sizeof(a->interfaces), "bus.interfaces=%s", a->live);
+
+	if (a->setup.n_set == SETUP_SETS_MAX || n >= (int)sizeof(a->interfaces)) {
+		return cli_bad(st, "--live: too many --set, or no name of an interface");
+	}
+	a->setup.set[a->setup.n_set++] = a->interfaces;
+	return 0;
 }
 
 /* The user's settings come after the suites'. */
@@ -163,7 +182,13 @@ static error_t check(struct args *a, const struct argp_state *st)
 	if (a->compare && (a->rule || a->csv || a->html || a->log_run)) {
 		return cli_bad(st, "--compare goes without --rule, --csv, --html and --log-run");
 	}
-	return apply_preset(a, st);
+	if (a->log && (a->cars || strcmp(a->suite->name, "false-activation") != 0)) {
+		return cli_bad(st, "--log goes with false-activation, and without --vehicles");
+	}
+	if (a->live && (a->log || a->rule || a->compare || a->log_run)) {
+		return cli_bad(st, "--live goes without --log, --rule, --compare and --log-run");
+	}
+	return a->live && apply_live(a, st) ? EINVAL : apply_preset(a, st);
 }
 
 static error_t parse(int key, char *arg, struct argp_state *st)
@@ -207,6 +232,12 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case KEY_LIST:
 		a->list = 1;
 		return 0;
+	case KEY_LOG:
+		a->log = arg;
+		return 0;
+	case KEY_LIVE:
+		a->live = arg;
+		return 0;
 	case KEY_LOG_RUN:
 		a->log_run = arg;
 		return 0;
@@ -240,14 +271,37 @@ static int is_wanted(const struct args *a, const struct scenario *s)
 	       (!a->log_run || !strcmp(s->name, a->log_run));
 }
 
+/* What stands on how sure the radar is cannot be asked of one that does not say. */
+static int is_knowable(const struct mapping *map, const struct scenario *s)
+{
+	int says = 0, doubtful = 0;
+
+	for (int i = 0; i < map->n_tracks; i++) {
+		says |= map->track[i].existence.sig != NULL;
+	}
+	for (int i = 0; i < s->drive.n; i++) {
+		doubtful |= s->drive.target[i].existence > 0;
+	}
+	return says || !doubtful;
+}
+
+static int add_log(struct scenario *s, const char *path)
+{
+	*s = (struct scenario){
+		.name = "recorded-drive", .goal = GOAL_NO_REQUEST, .in_short = 1, .log = path};
+	return 1;
+}
+
 static int open_rows(struct work *w)
 {
 	int n, kept = 0;
 
 	w->row = calloc(SCENARIO_ROWS_MAX, sizeof(*w->row));
 	n = w->row ? w->args->suite->rows(w->row, SCENARIO_ROWS_MAX) : -ENOMEM;
+	n += n > 0 && w->args->log ? add_log(&w->row[n], w->args->log) : 0;
 	for (int i = 0; i < n; i++) {
 		w->row[i].number = i;
+		w->row[i].goal = is_knowable(w->map, &w->row[i]) ? w->row[i].goal : GOAL_UNKNOWABLE;
 		if (is_wanted(w->args, &w->row[i])) {
 			w->row[kept++] = w->row[i];
 		}
@@ -392,7 +446,10 @@ static int suite(struct work *w)
 	struct files f;
 	int code = open_files(w, &f);
 
-	code = code ? code : scenario_pool(&w->plan, w->result);
+	if (!code) {
+		code = w->args->live ? scenario_live(&w->plan, w->result)
+				     : scenario_pool(&w->plan, w->result);
+	}
 
 	const int closing = close_files(w, &f, !code);
 

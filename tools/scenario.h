@@ -48,6 +48,7 @@ struct scenario {
 	int in_short;   /* one of the rows of --short */
 	int number;     /* in its suite; what chance depends on */
 	const struct scenario_fault *fault;
+	const char *log; /* a recorded drive instead; NULL: none */
 };
 
 struct scenario_suite {
@@ -111,6 +112,10 @@ struct scenario_bench {
  */
 int scenario_run(const struct scenario_bench *b, const struct scenario *row,
 		 const struct scenario_draw *d, struct scenario_result *r);
+
+/** scenario_replay - a candump log through the pipeline; times from its first frame. 0 or -errno; -ENOMSG if nothing in it
+ * could be judged. Allocates; blocks. */
+int scenario_replay(const struct scenario_bench *b, const char *path, struct scenario_result *r);
 
 /**
  * scenario_latest - the last moment, from the lead's onset (or the start), at which full braking avoids contact [s]

@@ -18,7 +18,8 @@ struct pool {
 	const struct scenario_plan *plan;
 	struct scenario_result *result;
 	int next, done; /* runs; atomic */
-	int error;      /* first one; atomic */
+	int error;      /* -errno of a run; atomic */
+	int failed;     /* which */
 };
 
 struct worker {
@@ -44,22 +45,23 @@ static int run(const struct worker *w, int job)
 	if (job % p->cars == 0) {
 		p->latest_s[row] = s->goal == GOAL_NO_CONTACT ? scenario_latest(p->cfg, s) : NAN;
 	}
-	return scenario_run(&bench, s, &draw, &w->pool->result[job]);
+	return s->log ? scenario_replay(&bench, s->log, &w->pool->result[job])
+		      : scenario_run(&bench, s, &draw, &w->pool->result[job]);
 }
 
 static void *work(void *arg)
 {
 	struct worker *w = arg;
 	struct pool *pool = w->pool;
-	int job, none = 0;
+	int job;
 
 	while ((job = __atomic_fetch_add(&pool->next, 1, __ATOMIC_RELAXED)) < total(pool->plan) &&
 	       !cli_interrupted()) {
 		const int error = run(w, job);
 
 		if (error) {
-			__atomic_compare_exchange_n(&pool->error, &none, error, 0, __ATOMIC_RELAXED,
-						    __ATOMIC_RELAXED);
+			pool->failed = job;
+			__atomic_store_n(&pool->error, error, __ATOMIC_RELEASE);
 			break;
 		}
 		__atomic_fetch_add(&pool->done, 1, __ATOMIC_RELAXED);
@@ -131,7 +133,11 @@ int scenario_pool(const struct scenario_plan *p, struct scenario_result *result)
 		return cli_error(CLI_FAILED, p->name, "%s", err);
 	}
 	if (pool.error) {
-		return cli_error(CLI_FAILED, p->name, "%s", strerror(-pool.error));
+		return cli_error(
+			CLI_FAILED, p->name, "%s: %s", p->row[pool.failed / p->cars].name,
+			pool.error == -ENOMSG
+				? "nothing in the log could be judged with this configuration"
+				: strerror(-pool.error));
 	}
 	return cli_interrupted() ? cli_error(CLI_FAILED, p->name, "interrupted") : 0;
 }

@@ -12,6 +12,7 @@
 #include <dirent.h>
 #include <dlfcn.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <sched.h>
 #include <signal.h>
 #include <stdint.h>
@@ -117,14 +118,16 @@ static long faults_of(const struct watch *w, pid_t tid)
 
 /* ---- allocator: probes in the C library, seen by a trace of their own -------------------------------------- */
 
+/* By descriptor: these files cannot be sought in, which opening a stream to append does, and truncating drops probes. */
 static int put(const char *path, const char *text)
 {
-	FILE *f = fopen(path, "ae");
+	const int fd = open(path, O_WRONLY | O_APPEND | O_CLOEXEC);
+	const ssize_t n = fd < 0 ? -1 : write(fd, text, strlen(text));
 
-	if (!f || fputs(text, f) < 0) {
-		return -1;
+	if (fd >= 0) {
+		close(fd);
 	}
-	return fclose(f);
+	return n < 0 ? -1 : 0;
 }
 
 /* Where the file that holds @address is mapped here: its path and the address's place in it. */

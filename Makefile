@@ -17,10 +17,11 @@ Q       := $(if $(V),,@)
 say     = $(if $(V),,@printf '  %-7s %s\n' '$(1)' '$(2)')
 
 # ---- flags -----------------------------------------------------------------------------------
+# What a row of a table leaves out is 0: no warning about it.
 # Bit-equality: no contraction, no fast-math; -fno-trapping-math -fno-math-errno (-fno-tree-pre for
 # the lane loops, gcc only) change no value and are what lets the compiler vectorise.
 WARN    := -Wall -Wextra -Wshadow -Wstrict-prototypes -Wmissing-prototypes -Wpointer-arith \
-	   -Wundef -Wvla -Wwrite-strings
+	   -Wundef -Wvla -Wwrite-strings -Wno-missing-field-initializers
 WARN    += $(if $(WERROR),-Werror)
 OPT     ?= -O2 -g
 NUMERIC := -ffp-contract=off -fno-math-errno -fno-trapping-math

@@ -220,6 +220,10 @@ static void test_expected_echo(void **state)
 	inject.frame.can_id = 0x2A1;
 	assert_int_equal(read_one(&rx, &f), 0);
 	inject.frame.can_id = 0x2A0;
+	inject.frame.len = 7;
+	assert_int_equal(read_one(&rx, &f), 0);
+	inject.frame.len = 8;
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 0);
 	inject.flags = MSG_DONTROUTE; /* another socket of this host */
 	assert_int_equal(read_one(&rx, &f), 0);
 	assert_int_equal(rx.expected_ns, 0);

@@ -2,9 +2,20 @@
  * Frames in, scene out: the end of a scan, staleness of each input alone, the ego speed, what the scene says, and frames
  * that must leave no trace.
  */
+#include "conf_dir.h"
 #include "drives.h"
 
 #include <malloc.h>
+
+static int calloc_fails;
+
+static void *scarce_calloc(size_t n, size_t size)
+{
+	return calloc_fails ? NULL : calloc(n, size);
+}
+#define calloc scarce_calloc
+#include "../daemon/estimator.c"
+#undef calloc
 
 #define MS CLOCK_NS_PER_MS
 
@@ -20,20 +31,63 @@ struct bench {
 	uint32_t roles; /* known to the car */
 	double value[MAP_ROLES];
 	uint64_t silent; /* slots that send nothing */
-	int lead, deaf;  /* a lead is there; no ego messages */
+	int lead;        /* one is there */
+	int deaf;        /* no ego messages */
+	int half_deaf;   /* the first of them only */
 	int ended;       /* scans ended */
 };
 
-static void open_bench(struct bench *b, const char *car)
+static void begin_bench(struct bench *b)
 {
 	*b = (struct bench){.t_ns = 1000 * MS,
 			    .speed_mps = 20,
 			    .gap_m = 30,
 			    .roles = (1u << MAP_ROLES) - 1,
 			    .lead = 1};
-	b->map = drives_load(car, &b->cfg);
+}
+
+static void start_bench(struct bench *b)
+{
 	encode_open(&b->encode, b->map);
 	assert_int_equal(estimator_open(&b->cfg, b->map, &b->e), 0);
+}
+
+static void open_bench(struct bench *b, const char *car)
+{
+	begin_bench(b);
+	b->map = drives_load(car, &b->cfg);
+	start_bench(b);
+}
+
+/* A car whose speed is in two messages. */
+static void open_wheels(struct bench *b)
+{
+	static const char dbc[] = "VERSION \"\"\n"
+				  "BO_ 256 FRONT: 2 CAR\n"
+				  " SG_ SPEED : 0|16@1+ (0.01,0) [0|163] \"m/s\" X\n"
+				  "BO_ 257 REAR: 2 CAR\n"
+				  " SG_ SPEED : 0|16@1+ (0.01,0) [0|163] \"m/s\" X\n"
+				  "BO_ 258 LEAD: 4 CAR\n"
+				  " SG_ DIST : 0|16@1+ (0.01,0) [0|600] \"m\" X\n"
+				  " SG_ RATE : 16|16@1- (0.01,0) [-90|90] \"m/s\" X\n"
+				  "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 10000;\n"
+				  "BA_DEF_DEF_ \"GenMsgCycleTime\" 20;\n";
+	static const char conf[] = "[dbc]\nfile = test.dbc\n"
+				   "[bus]\ninterfaces = can0\n"
+				   "[signal ego_speed]\nfrom = FRONT.SPEED REAR.SPEED\n"
+				   "[signal distance]\nfrom = LEAD.DIST\n"
+				   "[signal rel_speed]\nfrom = LEAD.RATE\n";
+	char dir[CONF_DIR_PATH], path[2 * CONF_DIR_PATH], err[1024];
+
+	begin_bench(b);
+	conf_dir_open(dir);
+	conf_dir_write(dir, "test.dbc", dbc, sizeof(dbc) - 1, path);
+	conf_dir_write(dir, "test.conf", conf, sizeof(conf) - 1, path);
+	if (config_load(path, NULL, 0, &b->cfg, &b->map, err, sizeof(err))) {
+		fail_msg("%s", err);
+	}
+	conf_dir_close(dir);
+	start_bench(b);
 }
 
 static void close_bench(struct bench *b)
@@ -84,11 +138,14 @@ static void wait_ms(struct bench *b, int ms)
 
 static void say_ego(struct bench *b)
 {
-	for (int i = 0; i < b->map->n_messages && !b->deaf; i++) {
+	int said = 0;
+
+	for (int i = 0; i < b->map->n_messages && !b->deaf && !(b->half_deaf && said); i++) {
 		if (b->map->message[i].ego) {
 			const struct bus_frame f = make_ego(b, i);
 
 			give(b, &f);
+			said++;
 		}
 	}
 }
@@ -341,6 +398,24 @@ static void a_silent_slot_is_stale(void **state)
 	close_bench(&b);
 }
 
+static void a_speed_of_two_messages_needs_both(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_wheels(&b);
+	assert_int_equal(cycles(&b, 10).fault, 0);
+	b.half_deaf = 1;
+	assert_int_equal(cycle(&b).fault, 0);
+	const struct scene s = cycle(&b);
+
+	assert_int_equal(s.fault, FAULT_BIT(EGO_STALE));
+	assert_false(s.ego_valid);
+	b.half_deaf = 0;
+	assert_int_equal(cycle(&b).fault, 0);
+	close_bench(&b);
+}
+
 static void frames_that_fail_their_check_are_a_fault(void **state)
 {
 	struct bench b;
@@ -424,6 +499,49 @@ static void hard_braking_is_plausible(void **state)
 		assert_int_equal(cycle(&b).fault, 0);
 	}
 	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_IMPLAUSIBLE], 0);
+	close_bench(&b);
+}
+
+/* The filter overshoots when the car stops; the scene does not. */
+static void a_car_that_stopped_stands(void **state)
+{
+	struct bench b;
+	int overshot = 0;
+
+	(void)state;
+	open_bench(&b, "generic");
+	cycles(&b, 20);
+	while (b.speed_mps > 0) {
+		b.speed_mps = b.speed_mps > 0.5 ? b.speed_mps - 0.5 : 0;
+		cycle(&b);
+	}
+	for (int i = 0; i < 40; i++) {
+		const struct scene s = cycle(&b);
+
+		overshot += s.x[SCENE_EGO_SPEED] == 0 && s.x[SCENE_EGO_ACCEL] > 0;
+		assert_true(s.x[SCENE_EGO_SPEED] > 0 || s.x[SCENE_EGO_ACCEL] >= 0);
+	}
+	assert_true(overshot > 0);
+	close_bench(&b);
+}
+
+/* More ego speeds than wait for a scan. */
+static void the_ego_is_followed_without_a_radar(void **state)
+{
+	struct bench b;
+	struct scene s = {0};
+
+	(void)state;
+	open_bench(&b, "toyota-tss-p");
+	b.silent = 0xFFFF;
+	for (int i = 0; i < 60; i++) {
+		b.speed_mps += 1 * 0.05;
+		s = cycle(&b);
+	}
+	assert_true(s.ego_valid && !s.lead_valid);
+	assert_true(fabs(s.x[SCENE_EGO_SPEED] - b.speed_mps) < 0.1);
+	assert_true(fabs(s.x[SCENE_EGO_ACCEL] - 1) < 0.3);
+	assert_true(sqrt(s.cov[SCENE_EGO_SPEED][SCENE_EGO_SPEED]) < 0.06);
 	close_bench(&b);
 }
 
@@ -712,6 +830,19 @@ static void any_frame_is_survived(void **state)
 	close_bench(&b);
 }
 
+static void memory_may_be_short(void **state)
+{
+	struct bench b;
+	struct estimator *e;
+
+	(void)state;
+	open_bench(&b, "generic");
+	calloc_fails = 1;
+	assert_int_equal(estimator_open(&b.cfg, b.map, &e), -ENOMEM);
+	calloc_fails = 0;
+	close_bench(&b);
+}
+
 static void nothing_is_allocated_after_open(void **state)
 {
 	struct bench b;
@@ -742,10 +873,13 @@ int main(void)
 		cmocka_unit_test(a_silent_car_is_stale),
 		cmocka_unit_test(a_silent_radar_is_stale),
 		cmocka_unit_test(a_silent_slot_is_stale),
+		cmocka_unit_test(a_speed_of_two_messages_needs_both),
 		cmocka_unit_test(frames_that_fail_their_check_are_a_fault),
 		cmocka_unit_test(a_spike_leaves_no_trace),
 		cmocka_unit_test(a_jump_that_stays_is_believed_after_a_fault),
 		cmocka_unit_test(hard_braking_is_plausible),
+		cmocka_unit_test(a_car_that_stopped_stands),
+		cmocka_unit_test(the_ego_is_followed_without_a_radar),
 		cmocka_unit_test(the_scene_is_the_present),
 		cmocka_unit_test(a_lead_that_comes_to_a_stop_goes_on_braking),
 		cmocka_unit_test(the_far_future_is_no_scene),
@@ -755,6 +889,7 @@ int main(void)
 		cmocka_unit_test(distrust_forgets_and_recovers),
 		cmocka_unit_test(spoilt_frames_leave_no_trace),
 		cmocka_unit_test(any_frame_is_survived),
+		cmocka_unit_test(memory_may_be_short),
 		cmocka_unit_test(nothing_is_allocated_after_open),
 	};
 

@@ -451,27 +451,37 @@ static void objects_that_become_one_are_merged(void **state)
 	assert_int_equal(w.t.object[0].id, older);
 }
 
+/* @n scans of as many objects as the radar knows, from @gap_m on. */
+static void fill_road(struct road *w, struct tracker_scan *s, double gap_m, int n)
+{
+	for (int j = 0; j < MAP_TRACKS_MAX; j++) {
+		s->det[s->n = j] = (struct detection){.distance_m = gap_m + 3 * j, .existence = 1};
+	}
+	for (s->n++; n > 0; n--) {
+		s->t_ns += SCAN_MS * MS;
+		tracker_ego_speed(&w->t, s->t_ns, EGO_MPS);
+		tracker_scan(&w->t, s);
+	}
+}
+
 static void more_objects_than_fit_are_left_out(void **state)
 {
 	struct road w;
-	struct tracker_scan s = {.n = MAP_TRACKS_MAX};
+	struct tracker_scan s = {0};
 
 	(void)state;
 	open_road(&w);
 	tracker_ego_speed(&w.t, 0, EGO_MPS);
-	for (int i = 0; i < 40; i++) {
-		s.t_ns += SCAN_MS * MS;
-		tracker_ego_speed(&w.t, s.t_ns, EGO_MPS);
-		for (int j = 0; j < s.n; j++) {
-			/* four scans at one place, then all at others */
-			s.det[j] = (struct detection){.distance_m = 2 + 3 * j + 200 * (i / 4 % 2),
-						      .lateral_m = i / 4 % 2,
-						      .existence = 1};
-		}
-		tracker_scan(&w.t, &s);
-		assert_in_range(w.t.n, MAP_TRACKS_MAX, TRACKER_OBJECTS_MAX);
-		assert_true(i % 4 < 3 || tracker_lead(&w.t));
-	}
+	fill_road(&w, &s, 2, 4);
+	fill_road(&w, &s, 200, 4); /* the others are still believed to be there */
+	assert_int_equal(w.t.n, TRACKER_OBJECTS_MAX);
+	assert_int_equal(tracker_lead(&w.t)->id, 1);
+	fill_road(&w, &s, 400, 1); /* no longer: the next scan has room */
+	assert_int_equal(w.t.n, MAP_TRACKS_MAX);
+	assert_int_equal(w.t.last_id, TRACKER_OBJECTS_MAX);
+	fill_road(&w, &s, 400, 1);
+	assert_int_equal(w.t.n, TRACKER_OBJECTS_MAX);
+	assert_int_equal(tracker_lead(&w.t)->id, MAP_TRACKS_MAX + 1);
 }
 
 /* ---- leading -------------------------------------------------------------------------------- */
@@ -547,6 +557,24 @@ static void oncoming_traffic_does_not_lead(void **state)
 	assert_leads(&w, scans(&w, 30), 1);
 }
 
+/* A speed below that of what stands counts once it is below by the gate's sigmas. */
+static void oncoming_is_what_surely_comes(void **state)
+{
+	struct tracker_object o = {.k.p = {[SCENE_LEAD_SPEED] = {[SCENE_LEAD_SPEED] = 4}}};
+	struct road w;
+
+	(void)state;
+	open_road(&w);
+	const double surely = w.cfg.filter_standing_speed + w.cfg.filter_gate * 2;
+
+	o.k.x[SCENE_LEAD_SPEED] = surely * 1.01;
+	assert_false(tracker_oncoming(&w.t, &o));
+	o.k.x[SCENE_LEAD_SPEED] = -surely * 0.99;
+	assert_false(tracker_oncoming(&w.t, &o));
+	o.k.x[SCENE_LEAD_SPEED] = -surely * 1.01;
+	assert_true(tracker_oncoming(&w.t, &o));
+}
+
 /* ---- standing ------------------------------------------------------------------------------- */
 
 static void a_lead_that_stops_stays_the_lead(void **state)
@@ -619,6 +647,7 @@ int main(void)
 		cmocka_unit_test(the_lead_may_waver_at_the_edge),
 		cmocka_unit_test(a_curve_bends_the_corridor),
 		cmocka_unit_test(oncoming_traffic_does_not_lead),
+		cmocka_unit_test(oncoming_is_what_surely_comes),
 		cmocka_unit_test(a_lead_that_stops_stays_the_lead),
 		cmocka_unit_test(a_lead_that_drives_off_is_believed),
 	};

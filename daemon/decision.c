@@ -165,7 +165,7 @@ static struct verdict by_ttc(const struct config *cfg, const struct scene *s)
 	return (struct verdict){wanted, CAUSE_FALLBACK, wanted == LEVEL_NONE};
 }
 
-/* Losing sight is calm in the sense of release (the usual hold applies), never proof of safety. */
+/* Losing sight is calm in the sense of release (which waits for longer then), never proof of safety. */
 static struct verdict judge(const struct config *cfg, const struct mc_result *res,
 			    const struct scene *s, uint32_t fault, enum stage_level level)
 {
@@ -209,10 +209,12 @@ static enum stage_level highest(const struct config *cfg, const struct scene *s,
 	return now < LEVEL_WARN ? LEVEL_WARN : LEVEL_FULL; /* braking only after a warning */
 }
 
+/* A lead lost from sight while we brake for it is still there until it had time to be found again. */
 static int released(const struct config *cfg, const struct scene *s, int64_t now_ns,
 		    const struct decision_state *st)
 {
-	const int apart = closing_mps(s) <= cfg->decision_release_closing ||
+	const int blind = !s->lead_valid && st->level >= LEVEL_PARTIAL;
+	const int apart = (!blind && closing_mps(s) <= cfg->decision_release_closing) ||
 			  now_ns - st->calm_ns >= clock_s_to_ns(cfg->decision_release_max);
 
 	return st->calm >= cfg->decision_release_evals && apart &&

@@ -563,11 +563,24 @@ static void test_lead_lost_while_braking(void **arg)
 
 	(void)arg;
 	r.scene.lead_valid = 0;
-	for (int i = 0; i < 3; i++) {
+	for (int i = 0; i < 40; i++) { /* 2 s, decision.release_max */
 		expect(step(&r, NULL), LEVEL_FULL, CAUSE_HOLD);
 	}
 	expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
 	expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_LEAD);
+}
+
+/* Nobody is braked for a warning: it ends as usual. */
+static void test_lead_lost_while_warning(void **arg)
+{
+	struct run r = fresh(LEVEL_WARN);
+
+	(void)arg;
+	r.scene.lead_valid = 0;
+	for (int i = 0; i < 3; i++) {
+		expect(step(&r, NULL), LEVEL_WARN, CAUSE_HOLD);
+	}
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
 }
 
 /* gap, ego and lead speed, lead acceleration -> level by the deterministic rule */
@@ -687,6 +700,7 @@ int main(void)
 		cmocka_unit_test(test_debounce),
 		cmocka_unit_test(test_release_while_closing),
 		cmocka_unit_test(test_lead_lost_while_braking),
+		cmocka_unit_test(test_lead_lost_while_warning),
 		cmocka_unit_test(test_fallback),
 		cmocka_unit_test(test_fallback_only_when_degraded_and_blind),
 		cmocka_unit_test(test_fallback_releases),

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * usage: stall THREAD-ID MILLISECONDS
  * Stops one thread, not its process, and lets it go on: as if its processor had been taken away. Prints for how long it
- * stood. Raises itself to FIFO 90 once it is loaded: starting a program above the thread would delay it too. Exit code 0, 1 failed, 2 usage.
+ * stood. Raises itself to FIFO 90 once it is loaded: starting a program above the thread would delay it too.
+ * Exit code 0, 1 failed, 2 usage.
  */
 #include <errno.h>
 #include <sched.h>

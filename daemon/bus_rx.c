@@ -199,14 +199,13 @@ int bus_rx_read(struct bus_rx *rx, int fd, uint8_t iface, struct bus_frame *f, i
 	struct now now;
 	int n, kept = 0;
 
-	memset(msg, 0, sizeof(msg));
 	for (int i = 0; i < want; i++) {
 		slot[i].iov = (struct iovec){.iov_base = &slot[i].frame,
 					     .iov_len = sizeof(slot[i].frame)};
-		msg[i].msg_hdr.msg_iov = &slot[i].iov;
-		msg[i].msg_hdr.msg_iovlen = 1;
-		msg[i].msg_hdr.msg_control = &slot[i].control;
-		msg[i].msg_hdr.msg_controllen = sizeof(slot[i].control);
+		msg[i].msg_hdr = (struct msghdr){.msg_iov = &slot[i].iov,
+						 .msg_iovlen = 1,
+						 .msg_control = &slot[i].control,
+						 .msg_controllen = sizeof(slot[i].control)};
 	}
 	rx->taken = 0;
 	n = recvmmsg(fd, msg, (unsigned)want, MSG_DONTWAIT, NULL);

@@ -17,7 +17,9 @@
 
 #include "clock.h"
 
-#define SHORT_FD -7 /* takes all but the last byte */
+#define SHORT_FD  -7 /* takes all but the last byte */
+#define FULL_FD   -8 /* takes none */
+#define BATCH_MAX 32
 
 /* One injected message: what recvmmsg would have returned. */
 static struct {
@@ -49,6 +51,11 @@ static int injected_recvmmsg(int fd, struct mmsghdr *m, unsigned n, int flags, s
 	if (!inject.armed) {
 		return recvmmsg(fd, m, n, flags, t);
 	}
+	assert_true(n <= BATCH_MAX);
+	if (n == 0) {
+		return 0;
+	}
+	assert_int_equal(m->msg_hdr.msg_iovlen, 1);
 	if (inject.error) {
 		errno = inject.error;
 		return -1;
@@ -71,7 +78,14 @@ static int injected_recvmmsg(int fd, struct mmsghdr *m, unsigned n, int flags, s
 
 static ssize_t injected_send(int fd, const void *data, size_t size, int flags)
 {
-	return fd == SHORT_FD ? (ssize_t)size - 1 : send(fd, data, size, flags);
+	switch (fd) {
+	case SHORT_FD:
+		return (ssize_t)size - 1;
+	case FULL_FD:
+		return 0;
+	default:
+		return send(fd, data, size, flags);
+	}
 }
 #define recvmmsg injected_recvmmsg
 #define send     injected_send
@@ -185,6 +199,26 @@ static void test_incredible_stamps_fall_back_to_receipt(void **state)
 	assert_int_equal(rx.stats.stamps, 1);
 }
 
+static void test_an_age_is_believed_from_0_to_1_s(void **state)
+{
+	static const struct {
+		int64_t age_ns, t_ns;
+	} row[] = {{0, 5 * CLOCK_NS_PER_S},
+		   {1, 5 * CLOCK_NS_PER_S - 1},
+		   {CLOCK_NS_PER_S, 4 * CLOCK_NS_PER_S},
+		   {CLOCK_NS_PER_S + 1, 5 * CLOCK_NS_PER_S},
+		   {-1, 5 * CLOCK_NS_PER_S}};
+	const struct now now = {.mono_ns = 5 * CLOCK_NS_PER_S, .real_ns = 70 * CLOCK_NS_PER_S};
+	struct bus_rx rx;
+
+	(void)state;
+	reset(&rx, 0);
+	for (size_t i = 0; i < sizeof(row) / sizeof(row[0]); i++) {
+		assert_true(time_of(&rx, &now, now.real_ns - row[i].age_ns) == row[i].t_ns);
+	}
+	assert_int_equal(rx.stats.stamps, 2);
+}
+
 static void test_own_echo_confirms_and_is_not_input(void **state)
 {
 	struct bus_rx rx;
@@ -251,6 +285,8 @@ static void test_foreign_sender_on_our_id(void **state)
 	assert_int_equal(bus_rx_events(&rx), BUS_EV_FOREIGN);
 	inject.frame.can_id = 0x2A1; /* ours is extended, and on another interface */
 	assert_int_equal(read_one(&rx, &f), 1);
+	inject.frame.can_id = 0; /* what an empty entry would say */
+	assert_int_equal(read_one(&rx, &f), 1);
 }
 
 static void test_local_frames_only_where_allowed(void **state)
@@ -288,6 +324,11 @@ static void test_error_frames_become_events(void **state)
 	assert_int_equal(read_one(&rx, &f), 0);
 	assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
 	assert_int_equal(rx.stats.error_frames, 3);
+	inject.frame.can_id =
+		CAN_ERR_FLAG | CAN_ERR_PROT; /* where those bits mean something else */
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(bus_rx_events(&rx), 0);
+	inject.frame.can_id = CAN_ERR_FLAG | CAN_ERR_CRTL;
 	inject.frame.data[1] = CAN_ERR_CRTL_RX_OVERFLOW; /* not about the controller's state */
 	assert_int_equal(read_one(&rx, &f), 0);
 	assert_int_equal(bus_rx_events(&rx), 0);
@@ -304,7 +345,13 @@ static void test_bus_off_belongs_to_its_interface(void **state)
 	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 0);
 	inject.frame.can_id = CAN_ERR_FLAG | CAN_ERR_RESTARTED;
 	assert_int_equal(bus_rx_read(&rx, -1, 0, &f, 1), 0);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_OFF);
 	assert_int_equal(bus_rx_events(&rx), BUS_EV_OFF); /* another one restarted */
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 0);
+	assert_int_equal(bus_rx_events(&rx), 0);
+	inject.frame.can_id = CAN_ERR_FLAG | CAN_ERR_BUSOFF;
+	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 0);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_OFF);
 	inject.frame.can_id = 0x123;
 	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 1);
 	assert_int_equal(bus_rx_events(&rx), 0); /* it carries frames again */
@@ -348,6 +395,9 @@ static void test_kernel_drops_are_counted_per_interface(void **state)
 	assert_int_equal(bus_rx_read(&rx, -1, 3, &f, 1),
 			 1); /* another interface counts for itself */
 	assert_int_equal(rx.stats.dropped, 14);
+	inject.drops = 9;
+	assert_int_equal(read_one(&rx, &f), 1);
+	assert_int_equal(rx.stats.dropped, 16);
 }
 
 static void test_malformed_messages(void **state)
@@ -376,6 +426,8 @@ static void test_remote_frames_keep_their_flag(void **state)
 
 	(void)state;
 	reset(&rx, 0);
+	assert_int_equal(read_one(&rx, &f), 1);
+	assert_int_equal(rx.stats.remote_frames, 0);
 	inject.frame.can_id |= CAN_RTR_FLAG;
 	assert_int_equal(read_one(&rx, &f), 1);
 	assert_int_equal(f.id, 0x123);
@@ -428,7 +480,7 @@ static void test_other_control_messages_are_ignored(void **state)
 
 static void test_writes_carry_flags_or_fail(void **state)
 {
-	static const uint8_t flags[] = {BUS_RTR, BUS_FD, BUS_FD | BUS_BRS};
+	static const uint8_t flags[] = {BUS_RTR, BUS_BRS, BUS_FD, BUS_FD | BUS_BRS};
 	struct bus_frame f = {.id = 0x123, .len = 2};
 	struct canfd_frame c;
 	int fd[2];
@@ -441,11 +493,13 @@ static void test_writes_carry_flags_or_fail(void **state)
 		assert_int_equal(recv(fd[1], &c, sizeof(c), 0),
 				 flags[i] & BUS_FD ? CANFD_MTU : CAN_MTU);
 		assert_int_equal(c.can_id, 0x123 | (flags[i] & BUS_RTR ? CAN_RTR_FLAG : 0));
-		assert_int_equal(c.flags, flags[i] & BUS_BRS ? CANFD_BRS : 0);
+		assert_int_equal(c.flags, flags[i] == (BUS_FD | BUS_BRS) ? CANFD_BRS : 0);
 	}
 	close(fd[0]);
 	close(fd[1]);
 	assert_int_equal(bus_rx_write(SHORT_FD, &f), -EIO);
+	errno = 0;
+	assert_int_equal(bus_rx_write(FULL_FD, &f), -EIO);
 }
 
 static void test_read_errors_pass_through(void **state)
@@ -461,12 +515,26 @@ static void test_read_errors_pass_through(void **state)
 	assert_int_equal(read_one(&rx, &f), 0);
 }
 
+static void test_at_most_a_batch_is_asked_for(void **state)
+{
+	struct bus_frame f[2 * BATCH_MAX];
+	struct bus_rx rx;
+
+	(void)state;
+	reset(&rx, 0);
+	assert_int_equal(bus_rx_read(&rx, -1, 0, f, 2 * BATCH_MAX), 1);
+	errno = EIO; /* nothing asked for is no error, whatever was wrong before */
+	assert_int_equal(bus_rx_read(&rx, -1, 0, f, 0), 0);
+	assert_int_equal(rx.taken, 0);
+}
+
 static void test_too_many_own_ids(void **state)
 {
 	struct bus_id many[BUS_RX_OWN_MAX + 1] = {{0, 0}};
 	struct bus_rx rx;
 
 	(void)state;
+	assert_int_equal(bus_rx_init(&rx, many, BUS_RX_OWN_MAX, 0), 0);
 	assert_int_equal(bus_rx_init(&rx, many, BUS_RX_OWN_MAX + 1, 0), -ENOSPC);
 }
 
@@ -476,6 +544,7 @@ int main(void)
 		cmocka_unit_test(test_socketpair_carries_frames_and_stamps),
 		cmocka_unit_test(test_age_is_realtime_minus_stamp),
 		cmocka_unit_test(test_incredible_stamps_fall_back_to_receipt),
+		cmocka_unit_test(test_an_age_is_believed_from_0_to_1_s),
 		cmocka_unit_test(test_own_echo_confirms_and_is_not_input),
 		cmocka_unit_test(test_expected_echo),
 		cmocka_unit_test(test_foreign_sender_on_our_id),
@@ -490,6 +559,7 @@ int main(void)
 		cmocka_unit_test(test_other_control_messages_are_ignored),
 		cmocka_unit_test(test_writes_carry_flags_or_fail),
 		cmocka_unit_test(test_read_errors_pass_through),
+		cmocka_unit_test(test_at_most_a_batch_is_asked_for),
 		cmocka_unit_test(test_too_many_own_ids),
 	};
 

@@ -250,6 +250,21 @@ static void values_as_written(void **state)
 	dbc_free(dbc);
 }
 
+static void values_end_where_the_signal_does(void **state)
+{
+	(void)state;
+	struct dbc *dbc = parse("BO_ 1 M: 8 X\n SG_ S : 0|8@1- (1,0) [0|0] \"\" X\n"
+				" SG_ U : 8|8@1+ (1,0) [0|0] \"\" X\n"
+				"VAL_ 1 S -128 \"bottom\" -129 \"never\" ;\n"
+				"VAL_ 1 U -1 \"never\" 255 \"top\" ;\n");
+	const struct dbc_signal *s = signal_of(dbc, "M", "S"), *u = signal_of(dbc, "M", "U");
+	assert_int_equal(s->n_values, 1);
+	assert_string_equal(dbc_value_text(s, 128), "bottom");
+	assert_int_equal(u->n_values, 1);
+	assert_string_equal(dbc_value_text(u, 255), "top");
+	dbc_free(dbc);
+}
+
 static void shipped_files_load(void **state)
 {
 	(void)state;
@@ -393,10 +408,15 @@ int main(int argc, char **argv)
 		return driver(argv[2]);
 	}
 	const struct CMUnitTest tests[] = {
-		cmocka_unit_test(messages_as_written),    cmocka_unit_test(signals_as_written),
-		cmocka_unit_test(values_as_written),      cmocka_unit_test(shipped_files_load),
-		cmocka_unit_test(recorded_frames_decode), cmocka_unit_test(distances),
-		cmocka_unit_test(nearest_names),          cmocka_unit_test(hash_has_a_known_answer),
+		cmocka_unit_test(messages_as_written),
+		cmocka_unit_test(signals_as_written),
+		cmocka_unit_test(values_as_written),
+		cmocka_unit_test(values_end_where_the_signal_does),
+		cmocka_unit_test(shipped_files_load),
+		cmocka_unit_test(recorded_frames_decode),
+		cmocka_unit_test(distances),
+		cmocka_unit_test(nearest_names),
+		cmocka_unit_test(hash_has_a_known_answer),
 		cmocka_unit_test(hash_sees_content),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -331,10 +331,13 @@ static void what_is_not_mapped_has_its_default(void **state)
 	assert_int_equal(take(&l, f), 1);
 	assert_int_equal(l.out.target, 1);
 	assert_true(l.out.det.lateral_m == 0 && l.out.det.existence == 1 && !l.out.det.fresh);
+	assert_true(l.out.det.distance_sigma_m == 0 && l.out.det.rate_sigma_mps == 0);
+	assert_int_equal(l.out.det.id, 0);
 	/* the multiplexor says that this frame is about something else */
 	set_raw(&f, "KIND", 2);
 	assert_int_equal(take(&l, f), 1);
 	assert_int_equal(l.out.track, -1);
+	assert_int_equal(l.out.part, MAP_NO_PART);
 	assert_int_equal(l.out.target, 0);
 	assert_none_rejected(&l);
 	assert_int_equal(refused(&l, NEAR_ID), 0);

@@ -14,7 +14,7 @@
 static void test_table(void **arg)
 {
 	(void)arg;
-	assert_true(FAULTS <= 32);
+	assert_true(FAULTS < 32);
 	for (int i = 0; i < FAULTS; i++) {
 		assert_non_null(fault_table[i].name);
 		assert_true(strlen(fault_table[i].doc) > 10);
@@ -72,6 +72,11 @@ static void test_reasons_are_independent(void **arg)
 	fault_update(&f, FAULT_BIT(STARTING) | FAULT_BIT(BUS_OFF) | FAULT_BIT(GPU_LOST), 0);
 	fault_update(&f, FAULT_BIT(RADAR_STALE), S);
 	assert_int_equal(f.active, FAULT_BIT(RADAR_STALE) | FAULT_BIT(GPU_LOST));
+	for (int i = 0; i < FAULTS; i++) {
+		f = (struct fault_set){0};
+		fault_update(&f, 1u << i, 0);
+		assert_int_equal(f.active, 1u << i);
+	}
 }
 
 static void test_precedence(void **arg)
@@ -96,6 +101,7 @@ static void test_precedence(void **arg)
 	for (int i = 0; i < FAULTS; i++) {
 		assert_int_equal(fault_state(1u << i), fault_table[i].state);
 	}
+	assert_int_equal(fault_state(1u << FAULTS), STATE_ARMED); /* no reason at all */
 }
 
 int main(void)

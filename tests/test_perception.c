@@ -79,6 +79,10 @@ static void inside_is_the_normal_distribution(void **state)
 	assert_true(perception_inside(&t, add(30, EGO_MPS, 1.6)) == 1);
 	assert_true(perception_inside(&t, add(30, EGO_MPS, 1.61)) == 0);
 	assert_true(perception_inside(&t, add(30, EGO_MPS, -1.61)) == 0);
+	cfg.perception_lateral_sigma = 5e-7;
+	assert_true(perception_inside(&t, add(30, EGO_MPS, 1.6)) == 1);
+	cfg.perception_lateral_sigma = 1e-6; /* from here on on the edge is half inside */
+	assert_true(fabs(perception_inside(&t, add(30, EGO_MPS, 1.6)) - 0.5) < 1e-6);
 }
 
 static void lateral_motion_is_followed_until_contact(void **state)
@@ -86,8 +90,8 @@ static void lateral_motion_is_followed_until_contact(void **state)
 	static const struct {
 		double gap_m, speed_mps, lookahead_s, want_m; /* from 3 m, moving in at 2 m/s */
 	} row[] = {
-		{30, 20, 0.5, 2}, {30, 25, 0.5, 2}, {30, 20, 0, 3}, {30, 10, 1, 1},
-		{2, 10, 1, 2.6},  {0, 10, 1, 3},    {-1, 10, 1, 3}, {10, 10, 1, 1},
+		{30, 20, 0.5, 2}, {30, 25, 0.5, 2}, {30, 20, 0, 3}, {30, 10, 1, 1}, {2, 10, 1, 2.6},
+		{0, 10, 1, 3},    {-1, 10, 1, 3},   {10, 10, 1, 1}, {10, 10, 2, 1},
 	};
 
 	(void)state;
@@ -256,6 +260,46 @@ static void a_lead_that_leaves_may_reveal_what_it_hid(void **state)
 	assert_true(lead_p(&w) == 1);
 }
 
+/* The order of age is not that of place. */
+static void every_effect_takes_its_share_of_what_the_others_leave(void **state)
+{
+	struct tracker_object *nearer = add(15, 17, 1.3), *lead = add(30, 18, 1.2);
+	struct tracker_object *next = add(60, 0, 0);
+
+	(void)state;
+	add(10, 20, 0); /* given up */
+	t.n--;
+	lead->lateral_mps = 0.5;
+	nearer->existence = 0.8;
+	lead->existence = 0.5;
+	next->existence = 0.6;
+	cfg.perception_hidden = 0.25;
+	const struct perception w = perception_weigh(&t, lead);
+	const double n = 0.8 * perception_inside(&t, nearer), stays = perception_inside(&t, lead);
+	const double b = 0.6 * perception_inside(&t, next);
+	const double hidden = (1 - n) * 0.5 * (1 - stays) * (1 - b) * 0.25;
+
+	assert_true(n > 0.5 && n < 0.79 && stays > 0.2 && stays < 0.8);
+	assert_ptr_equal(w.object[SCENE_NEARER], nearer);
+	assert_ptr_equal(w.object[SCENE_BEHIND], next);
+	near(w.p[SCENE_NEARER], n);
+	near(w.p[SCENE_BEHIND], (1 - n) * (1 - 0.5 * stays) * b);
+	near(w.p[SCENE_HIDDEN], hidden);
+	near(w.p[SCENE_NOTHING], (1 - n) * (1 - 0.5 * stays) * (1 - b) - hidden);
+	near(lead_p(&w), (1 - n) * 0.5 * stays);
+}
+
+/* An object beside the lead, as far away, is not before it. */
+static void as_far_as_the_lead_is_not_nearer(void **state)
+{
+	struct tracker_object *lead = add(30, 18, 1), *beside = add(30, 18, -1);
+	const struct perception w = perception_weigh(&t, lead);
+
+	(void)state;
+	assert_null(w.object[SCENE_NEARER]);
+	assert_ptr_equal(w.object[SCENE_BEHIND], beside);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
@@ -268,6 +312,9 @@ int main(void)
 		cmocka_unit_test_setup(who_cuts_in_is_met_before_the_lead, empty_road),
 		cmocka_unit_test_setup(what_is_not_confirmed_counts_in_part, empty_road),
 		cmocka_unit_test_setup(a_lead_that_leaves_may_reveal_what_it_hid, empty_road),
+		cmocka_unit_test_setup(every_effect_takes_its_share_of_what_the_others_leave,
+				       empty_road),
+		cmocka_unit_test_setup(as_far_as_the_lead_is_not_nearer, empty_road),
 	};
 
 	return cmocka_run_group_tests(tests, NULL, NULL);

@@ -80,6 +80,8 @@ static void a_jump_is_more_than_a_car_can(void **state)
 	(void)state;
 	speeds_reset(&q);
 	push(&q, 100, 20);
+	assert_int_equal(judge(&q, 100, 20.5), 0);
+	assert_int_equal(judge(&q, 100, 19.5), 0);
 	/* 10 m/s2 for 20 ms and 0.5 m/s of noise */
 	assert_int_equal(judge(&q, 120, 20.69), 0);
 	assert_int_equal(judge(&q, 120, 19.31), 0);

@@ -4,6 +4,7 @@
 warns_and_asks_on_the_bundled_drive() {
 	local since
 	stop
+	rm -f /var/lib/aebmc/test/*
 	start || return 1
 	since=$(now)
 	play brake-end.log vcan0=can0

@@ -73,8 +73,8 @@ corrupted_frames_are_not_used() { through corrupted; }
 falsified() {
 	gateway "${@:2}" || return 1
 	within 2 has_reason "$1" && state_is INHIBIT && return
-	cangw -L
-	ask status
+	cangw -L | cut -c 1-80
+	ask status | grep -oE '"(counters|rejected|scene)":\{[^}]*\}'
 	return 1
 }
 falsified_frames_inhibit() { through falsified INPUT_CHECK 100 XOR:D:100.8.0000001000000000 && is 'rejected.crc > 2'; }

@@ -14,7 +14,9 @@ os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(90))
 try:
     s.recv(16)
 except OSError:
-    print("%.6f" % time.time())' "$1" >/tmp/down &
+    at = time.time()
+    os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+    print("%.6f" % at)' "$1" >/tmp/down &
 	watcher=$!
 	pause 1
 }

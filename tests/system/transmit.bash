@@ -72,7 +72,7 @@ kill_ends_a_request_and_the_arming() {
 	[[ $(next_request) == *"state INIT"*"request none"* ]] && ! awk -v t="$at" '$1 > t' /tmp/words | grep 'request brake'
 }
 restart_ends_the_arming() {
-	good bus.transmit=armed && ask arm && is 'armed == true' && systemctl restart aebmcd@test && is 'armed == false'
+	good bus.transmit=armed && ask arm && within 1 is 'armed == true' && systemctl restart aebmcd@test && is 'armed == false'
 }
 silence_ends_a_request() {
 	requesting traffic_ends || return 1

@@ -6,7 +6,7 @@
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 cache=${AEBMC_CACHE:-${XDG_CACHE_HOME:-$HOME/.cache}/aebmc}
-key=$(sha256sum "$here/image.sh" "$here/init" | sha256sum | cut -c1-12)
+key=$(cat "$here/image.sh" "$here/init" | sha256sum | cut -c1-12)
 image=$cache/image-$key
 if [ -e "$image/complete" ]; then
 	echo "$image"

@@ -83,7 +83,10 @@ resigned() {
 	crc=$(field rejected.crc) && falsified IMPLAUSIBLE 100 XOR:D:100.8.0000001000000000 resign &&
 		is "rejected.crc == $crc and rejected.implausible > 2"
 }
-resigned_frames_are_implausible() { through resigned; }
+resigned_frames_are_implausible() {
+	stop
+	through resigned
+}
 # A counter that stands still, signed: a controller that repeats itself.
 signed_frames_with_a_frozen_counter_are_stale() {
 	through falsified RADAR_STALE 110 AND:D:110.8.FFF0FFFFFFFFFFFF resign && is 'rejected.counter > 2 and rejected.crc == 0'

@@ -5,29 +5,17 @@
 # to run instead of all. MODE=multi: two processors in the host's time, see boot.sh.
 set -eu
 mode=${MODE:-behaviour}
-O=$(realpath -m "${O:-build}")
+export O="${O:-build}"
+O=$(realpath -m "$O")
 cd "$(dirname "$0")/../.."
 payload=$O/system/$mode
-rm -rf "$payload"
-mkdir -p "$payload/root" "$payload/logs"
-
-make --no-print-directory -s O="$O" DESTDIR="$payload/root" PREFIX=/usr install >&2
-# Debian's merged /usr: a payload must not replace the guest's /lib link by a folder.
-if [ -d "$payload/root/lib" ] && [ ! -L "$payload/root/lib" ]; then
-	cp -a "$payload/root/lib/." "$payload/root/usr/lib/" && rm -rf "$payload/root/lib"
-fi
-for drive in brake follow; do
-	"$O/aebmc" generate --drive $drive --out "$payload/logs/$drive.log"
-done
+tests/system/payload.sh "$payload" guest
 awk '{ t = substr($1, 2) + 0 } NR == 1 { start = t } t >= start + 17' "$payload/logs/brake.log" >"$payload/logs/brake-end.log"
-recorded=../shared/canlog/comma2k19-rav4-seg40-speed-radar.log.xz
-[ ! -r $recorded ] || xz -dc $recorded >"$payload/logs/recorded.log"
-cp tests/system/guest tests/system/*.bash tests/system/lib.sh tests/system/scenes.py "$payload/"
+cp tests/system/scenes.py "$payload/"
 cat README.md systemd/README.md >"$payload/documents.md"
-[ -z "${ONLY:-}" ] || printf '%s\n' $ONLY >"$payload/only"
 [ "$mode" = behaviour ] || : >"$payload/untimed"
 
-if ! tests/system/boot.sh "$mode" "$payload" 1100 >"$O/system/$mode.console" 2>&1; then
+if ! tests/system/boot.sh "$mode" "$payload" 1800 >"$O/system/$mode.console" 2>&1; then
 	echo "# the virtual machine did not power off by itself"
 fi
 tr -d '\r' <"$O/system/$mode.console" >"$O/system/$mode.log"

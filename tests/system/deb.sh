@@ -8,7 +8,7 @@ cd "$(dirname "$0")/../.."
 payload=$O/system/deb
 rm -rf "$payload"
 mkdir -p "$payload/logs"
-make --no-print-directory -s O="$O" WITH_CUDA=no deb >&2
+flock "$O/system.lock" make --no-print-directory -s O="$O" WITH_CUDA=no deb >&2
 cp "$O"/deb/aebmc_*.deb "$payload/aebmc.deb"
 "$O/aebmc" generate --drive follow --out "$payload/logs/follow.log"
 "$O/aebmc" generate --drive brake --config can-dbc/vehicles/ars408.conf --out "$payload/logs/ars408.log"
@@ -17,7 +17,7 @@ build/venv/bin/python tests/strange_car.py --plant sign --dbc "$payload/logs/str
 cp tests/system/lib.sh "$payload/"
 cp tests/system/guest-deb "$payload/guest"
 
-if ! tests/system/boot.sh behaviour "$payload" 1100 >"$O/system/deb.console" 2>&1; then
+if ! tests/system/boot.sh behaviour "$payload" 1800 >"$O/system/deb.console" 2>&1; then
 	echo "# the virtual machine did not power off by itself"
 fi
 tr -d '\r' <"$O/system/deb.console" | sed -n '/^\(not \)\{0,1\}ok \|^1\.\.\|^# /p'

@@ -10,7 +10,7 @@ cd "$(dirname "$0")/../.."
 rm -rf "$dir"
 mkdir -p "$dir/root" "$dir/logs"
 
-make --no-print-directory -s O="$O" DESTDIR="$dir/root" PREFIX=/usr install >&2
+flock "$O/system.lock" make --no-print-directory -s O="$O" DESTDIR="$dir/root" PREFIX=/usr install >&2
 # Debian's merged /usr: a payload must not replace the guest's /lib link by a folder.
 if [ -d "$dir/root/lib" ] && [ ! -L "$dir/root/lib" ]; then
 	cp -a "$dir/root/lib/." "$dir/root/usr/lib/" && rm -rf "$dir/root/lib"

@@ -6,7 +6,7 @@ export O="${O:-build}"
 O=$(realpath -m "$O")
 cd "$(dirname "$0")/../.."
 tests/system/payload.sh "$O/system/timing" guest-timing
-if ! tests/system/boot.sh timing "$O/system/timing" 1100 >"$O/system/timing.console" 2>&1; then
+if ! tests/system/boot.sh timing "$O/system/timing" 1800 >"$O/system/timing.console" 2>&1; then
 	echo "# the virtual machine did not power off by itself"
 fi
 tr -d '\r' <"$O/system/timing.console" | sed -n '/^\(not \)\{0,1\}ok \|^1\.\.\|^# /p'

@@ -386,6 +386,8 @@ static void test_driver_override(void **arg)
 	expect(step_p(&r, 1, 1, 1), LEVEL_WARN, CAUSE_DRIVER);
 	r.scene.driver_accel = 0;
 	expect(step_p(&r, 1, 1, 1), LEVEL_FULL, CAUSE_RISK);
+	r.scene.driver_accel = 1;
+	expect(step_p(&r, 0, 0, 0), LEVEL_WARN, CAUSE_DRIVER); /* whatever the risk */
 	r = fresh(LEVEL_NONE);
 	r.scene.driver_accel = 1;
 	expect(step_p(&r, 0, 1, 1), LEVEL_WARN, CAUSE_RISK); /* a warning stays possible */
@@ -597,6 +599,7 @@ static void test_fallback(void **arg)
 		{38.1, 20, 0, 0, LEVEL_NONE, LEVEL_NONE}, /* 1.905 s */
 		{15, 20, 10, 0, LEVEL_NONE, LEVEL_NONE},  /* 1.5 s, but 3.6 m/s2 are enough */
 		{15, 20, 10, -1, LEVEL_NONE, LEVEL_WARN}, /* and no longer where the lead brakes */
+		{15, 20, 10, -5, LEVEL_NONE, LEVEL_WARN}, /* as hard as no driver does */
 		{15, 20, 10, 1, LEVEL_NONE, LEVEL_NONE},  /* its acceleration is not counted on */
 		{0.8, 5, 4, 0, LEVEL_WARN, LEVEL_WARN},   /* 0.8 s, 0.7 m/s2: stop and go */
 		{0.2, 5, 4, 0, LEVEL_WARN, LEVEL_FULL},

@@ -179,17 +179,25 @@ static void a_braking_lead_stops(void **state)
 	(void)state;
 	k.x[SCENE_LEAD_SPEED] = 1;
 	k.x[SCENE_LEAD_ACCEL] = -4;
-	kalman_predict(&k, 1500 * MS, 5, 5); /* 0.125 m in 0.25 s */
-	assert_near(k.x[SCENE_HEADWAY], 30 + 0.125 - (20 * 0.5 - 0.125), 1e-12);
+	kalman_predict(&k, 1400 * MS, 5, 5); /* 0.125 m in 0.25 s */
+	assert_near(k.x[SCENE_HEADWAY], 30 + 0.125 - (20 * 0.4 - 0.08), 1e-12);
 	assert_near(k.x[SCENE_LEAD_SPEED], 0, 0);
 	assert_near(k.x[SCENE_LEAD_ACCEL], 0, 0);
 	assert_sound(&k);
 	kalman_predict(&k, 1600 * MS, 5, 5);
 	assert_near(k.x[SCENE_LEAD_SPEED], 0, 0);
+	k.x[SCENE_LEAD_ACCEL] = -4; /* what stands does not begin to move backwards */
+	const double gap = k.x[SCENE_HEADWAY], ego = k.x[SCENE_EGO_SPEED];
+
+	kalman_predict(&k, 1650 * MS, 5, 5);
+	assert_near(k.x[SCENE_LEAD_SPEED], 0, 0);
+	assert_near(k.x[SCENE_LEAD_ACCEL], 0, 0);
+	assert_near(k.x[SCENE_HEADWAY], gap - ego * 0.05 - k.x[SCENE_EGO_ACCEL] * 0.05 * 0.05 / 2,
+		    1e-12);
 	/* oncoming traffic that brakes the other way */
 	k.x[SCENE_LEAD_SPEED] = -5;
 	k.x[SCENE_LEAD_ACCEL] = -1;
-	kalman_predict(&k, 1700 * MS, 5, 5);
+	kalman_predict(&k, 1750 * MS, 5, 5);
 	assert_near(k.x[SCENE_LEAD_SPEED], -5.1, 1e-12);
 }
 

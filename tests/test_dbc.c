@@ -250,6 +250,45 @@ static void values_as_written(void **state)
 	dbc_free(dbc);
 }
 
+#define BYTE(name, mux, at) " SG_ " name " " mux ": " at "|8@1+ (1,0) [0|0] \"\" X\n"
+
+static void limits_are_within(void **state)
+{
+	(void)state;
+	static const char *const size[] = {"0", "8", "12", "16", "20", "24", "32", "48", "64"};
+	struct dbc *dbc;
+	for (size_t i = 0; i < sizeof(size) / sizeof(size[0]); i++) {
+		char text[64];
+		snprintf(text, sizeof(text), "BO_ 1 M: %s X\n", size[i]);
+		dbc = parse(text);
+		assert_int_equal(dbc->messages[0].size, atoi(size[i]));
+		assert_int_equal(dbc->messages[0].is_fd, i > 1); /* no other frame is so long */
+		dbc_free(dbc);
+	}
+	dbc = parse("NS_ :\n\tCM_\nBU_: X\n"
+		    "BO_ 2047 STD: 8 X\n" BYTE(
+			    "A", "M",
+			    "0") "BO_ 2684354559 EXT: 8 X\n"
+				 " SG_ M M : 0|32@1+ (1,0) [0|0] \"\" X\n" BYTE(
+					 "LAST", "m4294967295",
+					 "32") "BA_DEF_ BO_ \"VFrameFormat\" ENUM\"A_FD\",\"B\";\n"
+					       "BA_ \"VFrameFormat\" BO_ 2047 0;\n"
+					       "BA_ \"GenMsgCycleTime\" BO_ 2047 4294967295;\n");
+	assert_int_equal(dbc->n_messages, 2);
+	assert_int_equal(dbc_find(dbc, "STD")->is_fd, 1);
+	assert_true(dbc_find(dbc, "STD")->cycle_ms == UINT32_MAX);
+	assert_true(signal_of(dbc, "EXT", "LAST")->mux_value == UINT32_MAX);
+	dbc_free(dbc);
+}
+
+/* The bytes that a message's signals take say nothing of the next one's. */
+static void signals_of_two_messages_do_not_overlap(void **state)
+{
+	(void)state;
+	dbc_free(parse("BO_ 1 M: 8 X\n" BYTE("A", "", "8") BYTE("B", "", "16") BYTE(
+		"C", "", "0") "BO_ 2 N: 8 X\n" BYTE("A", "", "8") BYTE("B", "", "0")));
+}
+
 static void values_end_where_the_signal_does(void **state)
 {
 	(void)state;
@@ -412,6 +451,8 @@ int main(int argc, char **argv)
 		cmocka_unit_test(signals_as_written),
 		cmocka_unit_test(values_as_written),
 		cmocka_unit_test(values_end_where_the_signal_does),
+		cmocka_unit_test(limits_are_within),
+		cmocka_unit_test(signals_of_two_messages_do_not_overlap),
 		cmocka_unit_test(shipped_files_load),
 		cmocka_unit_test(recorded_frames_decode),
 		cmocka_unit_test(distances),

@@ -14,9 +14,9 @@ if [ -e "$image/complete" ]; then
 fi
 work=$image.$$
 root=$work/root
-rm -rf "$work"
+rm -rf --one-file-system "$work"
 mkdir -p "$work"
-trap 'rm -rf "$work"' EXIT
+trap 'rm -rf --one-file-system "$work"' EXIT
 
 packages=linux-image-rt-amd64,systemd,systemd-sysv,udev,dbus,iproute2,kmod,procps,can-utils,lttng-tools,liblttng-ust1
 packages=$packages,babeltrace2,python3,jq,strace,stress-ng,libsystemd0,libsocketcan2,make,xz-utils
@@ -61,11 +61,11 @@ done | awk '$1 == "insmod" && !seen[$2]++ { print $2 }' | while read -r m; do
 done
 (cd "$init" && find . | cpio --quiet -o -H newc | gzip -1) >"$work/initrd"
 cp "$root"/boot/vmlinuz-* "$work/vmlinuz"
-rm -rf "$root/boot" "$root/var/cache/apt"/* "$root/var/lib/apt/lists"/*
+rm -rf "${root:?}/boot" "$root/var/cache/apt"/* "$root/var/lib/apt/lists"/*
 mke2fs -q -t ext4 -L root -d "$root" "$work/disk.img" 1600M >&2
-rm -rf "$root" "$init"
+rm -rf --one-file-system "$root" "$init"
 : >"$work/complete"
-find "$cache" -maxdepth 1 -name 'image-????????????' -exec rm -rf {} + # older ones
+find "$cache" -maxdepth 1 -name 'image-????????????' -exec rm -rf --one-file-system {} + # older ones
 mv "$work" "$image"
 trap - EXIT
 echo "$image"

@@ -31,6 +31,7 @@ static const struct {
 	{BO "hello\n", -EINVAL, "t.dbc:2: 'hello' is no DBC statement"},
 	{BO "{}\n", -EINVAL, "t.dbc:2: DBC statement: a name expected, found '{'"},
 	{"\x01", -EINVAL, "t.dbc:1: DBC statement: a name expected, found \\x01"},
+	{"\xEF\xBB\n" BO, -EINVAL, "t.dbc:1: DBC statement: a name expected, found \\xef"},
 	{"VERSION 1.0\n", -EINVAL, "t.dbc:1: VERSION: '\"' expected, found '1'"},
 	{"NS_ CM_\n", -EINVAL, "t.dbc:1: NS_: ':' expected, found 'C'"},
 	/* messages */

@@ -15,6 +15,7 @@
 #include <cmocka.h>
 
 static unsigned calls_left; /* allocations that still succeed */
+static int one_fails;       /* only the first that does not; otherwise all after it too */
 static int read_mode;       /* 0: as it is; 1: one byte at a time; 2: ends early; 3: fails */
 
 static int stat_fails;
@@ -30,7 +31,10 @@ static int odd_fstat(int fd, struct stat *st)
 
 static int refuse_call(void)
 {
-	return calls_left ? (calls_left--, 0) : 1;
+	const int refused = calls_left == 0;
+
+	calls_left = refused && one_fails ? UINT_MAX : calls_left - !refused;
+	return refused;
 }
 
 static void *scarce_malloc(size_t size)
@@ -89,21 +93,34 @@ static int load(char err[256])
 	return rc;
 }
 
-static void every_allocation_may_fail(void **state)
+static unsigned fail_each(void)
 {
-	(void)state;
-	read_mode = 0;
 	unsigned n = 0;
+
 	for (int rc = -ENOMEM; rc; n++) {
 		char err[256] = "";
 		calls_left = n;
 		rc = load(err);
 		assert_true(rc == 0 || rc == -ENOMEM);
 		assert_int_equal(rc != 0, strstr(err, FILE_DBC ":") == err);
+		if (n > 0 && n < 5) { /* the file is there, no line is read yet */
+			assert_string_equal(err, FILE_DBC ": out of memory");
+		}
 	}
-	assert_true(
-		n >
-		50); /* text, names, two arrays of messages, each message's signals, each signal's values */
+	return n;
+}
+
+static void every_allocation_may_fail(void **state)
+{
+	(void)state;
+	read_mode = 0;
+	const unsigned n = fail_each();
+
+	/* text, names, two arrays of messages, each message's signals, each signal's values */
+	assert_true(n > 50);
+	one_fails = 1;
+	assert_int_equal(fail_each(), n);
+	one_fails = 0;
 }
 
 static void reads_may_be_odd(void **state)

@@ -126,6 +126,7 @@ static void test_futures(void **arg)
 	assert_true(f[FUTURE_DEFER].extra_delay_s == 0.05f);
 	assert_true(f[FUTURE_DRIVER].accel_cmd_mps2 == -3.92f);
 	assert_true(f[FUTURE_DRIVER].extra_delay_s == 1.0f);
+	assert_true(f[FUTURE_NOBODY].accel_cmd_mps2 == 0);
 	assert_true(f[FUTURE_NOBODY].extra_delay_s >= 10.0f);
 }
 
@@ -391,6 +392,9 @@ static void test_driver_override(void **arg)
 	r = fresh(LEVEL_NONE);
 	r.scene.driver_accel = 1;
 	expect(step_p(&r, 0, 1, 1), LEVEL_WARN, CAUSE_RISK); /* a warning stays possible */
+	r = fresh(LEVEL_WARN);
+	r.scene.driver_accel = 1;
+	expect(step_p(&r, 0, 1, 1), LEVEL_WARN, CAUSE_RISK); /* there is nothing to override */
 	r = fresh(LEVEL_FULL);
 	r.scene.driver_accel = 0;
 	r.scene.driver_brake = 1; /* a braking driver is supported, not obeyed */
@@ -561,15 +565,17 @@ static void test_release_while_closing(void **arg)
 /* Losing the lead while braking keeps the brakes on for the hold and the calm evaluations, no longer. */
 static void test_lead_lost_while_braking(void **arg)
 {
-	struct run r = fresh(LEVEL_FULL);
-
 	(void)arg;
-	r.scene.lead_valid = 0;
-	for (int i = 0; i < 40; i++) { /* 2 s, decision.release_max */
-		expect(step(&r, NULL), LEVEL_FULL, CAUSE_HOLD);
+	for (enum stage_level l = LEVEL_PARTIAL; l <= LEVEL_FULL; l++) {
+		struct run r = fresh(l);
+
+		r.scene.lead_valid = 0;
+		for (int i = 0; i < 40; i++) { /* 2 s, decision.release_max */
+			expect(step(&r, NULL), l, CAUSE_HOLD);
+		}
+		expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
+		expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_LEAD);
 	}
-	expect(step(&r, NULL), LEVEL_NONE, CAUSE_RELEASED);
-	expect(step(&r, NULL), LEVEL_NONE, CAUSE_NO_LEAD);
 }
 
 /* Nobody is braked for a warning: it ends as usual. */
@@ -607,6 +613,12 @@ static void test_fallback(void **arg)
 		{0.05, 5, 4, -5, LEVEL_WARN, LEVEL_FULL}, /* both room and reserve below zero */
 		{5, 20, 20, -9, LEVEL_NONE, LEVEL_NONE},  /* not closing */
 		{5, 20, 21, -9, LEVEL_NONE, LEVEL_NONE},
+		{0, 20, 20, -9, LEVEL_WARN, LEVEL_WARN},
+		{0.0005, 20, 19.9995, -9, LEVEL_WARN, LEVEL_FULL}, /* by 1 mm/s, at least */
+		{9, 20, 10, 0, LEVEL_WARN, LEVEL_WARN},            /* at the limits, 0.9 s */
+		{38, 20, 0, 0, LEVEL_NONE, LEVEL_NONE},            /* and 1.9 s */
+		{12.5, 20, 10, 1, LEVEL_NONE, LEVEL_WARN},         /* 4.3 m/s2, 3.3 if it went on */
+		{1.5, 20, 19, -3, LEVEL_NONE, LEVEL_NONE},         /* 0.4 of 0.9 m/s2 left */
 	};
 
 	(void)arg;
@@ -631,6 +643,22 @@ static void test_fallback(void **arg)
 }
 
 /* The deterministic rule stands in for missing risk in DEGRADED alone, and never overrules a result. */
+/* As much deceleration as the driver's is not more. */
+static void test_fallback_leaves_to_the_driver_what_is_enough(void **arg)
+{
+	struct run r = fresh(LEVEL_NONE);
+
+	(void)arg;
+	r.fault = FAULT_BIT(MC_ERROR);
+	r.cfg.driver_accel = -4;
+	r.cfg.brake_delay = 0;
+	r.scene.x[SCENE_HEADWAY] = 8;
+	r.scene.x[SCENE_LEAD_SPEED] = 12;
+	expect(step(&r, NULL), LEVEL_NONE, CAUSE_FALLBACK);
+	r.scene.x[SCENE_HEADWAY] = 8 - EPS;
+	expect(step(&r, NULL), LEVEL_WARN, CAUSE_FALLBACK);
+}
+
 static void test_fallback_only_when_degraded_and_blind(void **arg)
 {
 	struct mc_result thin = result(0, 0, 0);
@@ -705,6 +733,7 @@ int main(void)
 		cmocka_unit_test(test_lead_lost_while_braking),
 		cmocka_unit_test(test_lead_lost_while_warning),
 		cmocka_unit_test(test_fallback),
+		cmocka_unit_test(test_fallback_leaves_to_the_driver_what_is_enough),
 		cmocka_unit_test(test_fallback_only_when_degraded_and_blind),
 		cmocka_unit_test(test_fallback_releases),
 		cmocka_unit_test(test_names),

@@ -158,7 +158,7 @@ static int add_source(struct graph *g, const char *dir, int i)
 		bt_plugin_borrow_source_component_class_by_name_const(g->ctf, "fs");
 	bt_value *params = bt_value_map_create(), *inputs = NULL;
 	const bt_component_source *src = NULL;
-	char name[16];
+	char name[sizeof("trace") + 11];
 	int bad;
 
 	snprintf(name, sizeof(name), "trace%d", i);

@@ -161,15 +161,14 @@ double lex_double(struct lex *lx, const char *what)
 {
 	lex_peek(lx);
 	size_t n = lx->rc ? 0 : strspn(lx->p, "+-.0123456789eE");
-	char text[NUMBER_MAX];
+	char text[NUMBER_MAX] = "";
 	char *end = text;
 	double v = 0;
-	if (n && n < sizeof(text)) {
+	if (n < sizeof(text)) {
 		memcpy(text, lx->p, n);
-		text[n] = 0;
 		v = strtod(text, &end);
 	}
-	if (!n || n >= sizeof(text) || *end || !isfinite(v)) {
+	if (end == text || *end || !isfinite(v)) {
 		lex_fail(lx, -EINVAL, "%s: a finite decimal number expected", what);
 		return 0;
 	}

@@ -48,15 +48,16 @@ struct trace_ops {
 #define TRACE_OPS_SYMBOL "aebmc_trace_ops" /* what a provider exports */
 
 #ifdef TRACE_PROVIDERS
+#define TRACE_BUILT 1
+#else
+#define TRACE_BUILT 0 /* its arguments are still checked; nothing of it is compiled */
+#endif
 #define TRACE(ops, event, ...)                     \
 	do {                                       \
-		if (ops) {                         \
+		if (TRACE_BUILT && (ops)) {        \
 			(ops)->event(__VA_ARGS__); \
 		}                                  \
 	} while (0)
-#else
-#define TRACE(ops, event, ...) ((void)(ops))
-#endif
 
 /**
  * trace_load - load a provider: trace-NAME.so in the program's own folder or in ../lib/aebmc beside it

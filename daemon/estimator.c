@@ -96,7 +96,7 @@ static void take_speed(struct estimator *e, int message, const struct speed *s)
 	const struct config *c = e->cfg;
 	struct speed old;
 
-	if (s->t_ns - e->speeds.last.t_ns > limit_ns(e, message)) {
+	if (s->t_ns - e->speeds.heard_ns > limit_ns(e, message)) {
 		restart(e);
 	}
 	const int jumps = speeds_judge(&e->speeds, s, c->filter_ego_accel_max,

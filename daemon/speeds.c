@@ -6,7 +6,7 @@
 
 void speeds_reset(struct speeds *q)
 {
-	*q = (struct speeds){.last.t_ns = DECODE_NEVER};
+	*q = (struct speeds){.last.t_ns = DECODE_NEVER, .heard_ns = DECODE_NEVER};
 }
 
 int speeds_judge(struct speeds *q, const struct speed *s, double accel_max, double noise)
@@ -14,6 +14,7 @@ int speeds_judge(struct speeds *q, const struct speed *s, double accel_max, doub
 	const double limit = accel_max * (double)(s->t_ns - q->last.t_ns) * 1e-9 + noise;
 	const double step = s->mps - q->last.mps;
 
+	q->heard_ns = s->t_ns;
 	q->jumps = step > limit || step < -limit ? q->jumps + 1 : 0;
 	return q->jumps;
 }
@@ -36,6 +37,7 @@ int speeds_push(struct speeds *q, const struct speed *s, struct speed *out)
 	}
 	q->queue[(q->head + q->n++) % SPEEDS_MAX] = *s;
 	q->last = *s;
+	q->heard_ns = s->t_ns;
 	return full;
 }
 

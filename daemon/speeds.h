@@ -19,6 +19,7 @@ struct speeds {
 	int head, n;
 	struct speed last; /* the last plausible one, also when it has left the queue */
 	int jumps;         /* implausible ones in a row since then */
+	int64_t heard_ns;  /* when one came last, plausible or not */
 };
 
 /** speeds_reset - empty, and nothing to compare with. */

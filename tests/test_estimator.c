@@ -486,6 +486,28 @@ static void a_jump_that_stays_is_believed_after_a_fault(void **state)
 	close_bench(&b);
 }
 
+/* The third jump comes later than the last plausible speed may be old: no reason to forget what was known. */
+static void a_jump_in_late_frames_is_a_fault_too(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "generic");
+	cycles(&b, 20);
+	b.speed_mps = 60;
+	for (int i = 0; i < 3; i++) {
+		b.t_ns += 25 * MS;
+		const struct bus_frame f = make_ego(&b, b.map->role[MAP_EGO_SPEED].message[0]);
+
+		give(&b, &f);
+	}
+	estimator_scene(b.e, b.t_ns, &s);
+	assert_true(s.fault & FAULT_BIT(IMPLAUSIBLE));
+	assert_int_equal(estimator_rejected(b.e)[SCENE_REJECT_IMPLAUSIBLE], 3);
+	close_bench(&b);
+}
+
 static void hard_braking_is_plausible(void **state)
 {
 	struct bench b;
@@ -877,6 +899,7 @@ int main(void)
 		cmocka_unit_test(frames_that_fail_their_check_are_a_fault),
 		cmocka_unit_test(a_spike_leaves_no_trace),
 		cmocka_unit_test(a_jump_that_stays_is_believed_after_a_fault),
+		cmocka_unit_test(a_jump_in_late_frames_is_a_fault_too),
 		cmocka_unit_test(hard_braking_is_plausible),
 		cmocka_unit_test(a_car_that_stopped_stands),
 		cmocka_unit_test(the_ego_is_followed_without_a_radar),

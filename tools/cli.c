@@ -144,7 +144,8 @@ int cli_close(const char *name, const char *path, FILE *f)
 	if (!failed || f == stdout) {
 		return failed ? CLI_FAILED : 0;
 	}
-	return cli_error(CLI_FAILED, name, "%s: %s", path, strerror(errno ? errno : EIO));
+	return cli_error(CLI_FAILED, name, "%s: %s", path,
+			 errno ? strerror(errno) : "write failed");
 }
 
 /* ---- Ctrl-C ------------------------------------------------------------------------------------ */

@@ -58,14 +58,15 @@ static int start(pid_t *pid, int *to, int *from)
 	return error;
 }
 
+/* Returns 0 or -errno of what failed first: reading, or writing in the midst of it. */
 static int copy(int from, FILE *out)
 {
 	char part[65536];
 	ssize_t n;
 
 	while ((n = read(from, part, sizeof(part))) > 0 || (n < 0 && errno == EINTR)) {
-		if (n > 0) {
-			fwrite(part, 1, (size_t)n, out);
+		if (n > 0 && fwrite(part, 1, (size_t)n, out) < (size_t)n) {
+			return -errno;
 		}
 	}
 	return n < 0 ? -errno : 0;
@@ -75,17 +76,17 @@ static int copy(int from, FILE *out)
 static int convert(const char *name, const char *path, pid_t pid, int from)
 {
 	FILE *f = cli_create(name, path);
-	int status = -1, code = f ? 0 : CLI_FAILED;
+	const int error = f ? copy(from, f) : 0;
+	int status = -1, code = CLI_FAILED;
 
-	if (!f) {
+	if (!f || error) {
 		kill(pid, SIGKILL); /* it would complain, too */
-	} else {
-		const int error = copy(from, f);
-
+	}
+	if (error) {
+		cli_error(CLI_FAILED, name, "%s: %s", path, strerror(-error));
+		fclose(f);
+	} else if (f) {
 		code = cli_close(name, path, f);
-		code = error && !code
-			       ? cli_error(CLI_FAILED, name, "%s: %s", path, strerror(-error))
-			       : code;
 	}
 	close(from);
 	waitpid(pid, &status, 0);

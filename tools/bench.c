@@ -16,6 +16,7 @@
 #include "cmd.h"
 #include "plain.h"
 #include "progress.h"
+#include "sort.h"
 #include "sample.h"
 #include "draws.h"
 
@@ -211,17 +212,10 @@ static int measure(struct bench *b, uint32_t n)
 	return error;
 }
 
-static int ascending(const void *a, const void *b)
-{
-	double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 static void sort_all(struct bench *b)
 {
 	for (int i = 0; i < TIMED; i++) {
-		qsort(b->ns[i], b->rounds, sizeof(double), ascending);
+		sort_doubles(b->ns[i], b->rounds);
 	}
 }
 

@@ -3,25 +3,18 @@
  */
 #include "bench_time.h"
 #include <errno.h>
-#include <stdlib.h>
 #include "bench_scene.h"
 #include "cli.h"
 #include "clock.h"
+#include "sort.h"
 
 const uint32_t bench_size[BENCH_SIZES] = {1000,    2000,    5000,    10000,  20000,
 					  50000,   100000,  200000,  500000, 1000000,
 					  2000000, 5000000, 10000000};
 
-static int ascending(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 struct bench_timing bench_timing_of(double *ns, uint32_t n)
 {
-	qsort(ns, n, sizeof(*ns), ascending);
+	sort_doubles(ns, n);
 	return (struct bench_timing){ns[n / 2], ns[n < 100 ? n - 1 : n * 99 / 100]};
 }
 

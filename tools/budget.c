@@ -14,6 +14,7 @@
 #include "compute.h"
 #include "mc_cuda.h"
 #include "progress.h"
+#include "sort.h"
 
 #define RESIDENT (1u << 20)
 #define TRIES    5
@@ -85,13 +86,6 @@ static const struct argp argp = {
 
 /* ---- measuring --------------------------------------------------------------------------------- */
 
-static int ascending(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 /* Total times of @runs batches of @n, sorted [ns]. */
 static int batches(struct mc_backend *b, const struct kernel *k, uint32_t n, uint32_t runs,
 		   double *ns)
@@ -106,7 +100,7 @@ static int batches(struct mc_backend *b, const struct kernel *k, uint32_t n, uin
 	for (uint32_t i = 0; i < runs && !error; i++) {
 		ns[i] = t[i].total_ns;
 	}
-	qsort(ns, runs, sizeof(*ns), ascending);
+	sort_doubles(ns, runs);
 	free(t);
 	return error ? error : cli_interrupted() ? -EINTR : 0;
 }

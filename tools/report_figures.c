@@ -8,6 +8,7 @@
 #include <time.h>
 #include "clock.h"
 #include "hist.h"
+#include "sort.h"
 
 const char *const report_sub_name[SUBS] = {[SUB_WAKE] = "wake",
 					   [SUB_BATCH] = "batch",
@@ -76,13 +77,6 @@ static int64_t duration(const struct report *r, const struct report_cycle *c, in
 			      : report_sub_ns(c, (enum report_sub)(which - STAGES));
 }
 
-static int by_time(const void *a, const void *b)
-{
-	const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-
-	return (x > y) - (x < y);
-}
-
 static int64_t percentile(const struct report_stage *s, double q)
 {
 	return s->n ? s->sorted_ns[hist_rank(s->n, q) - 1] : -1;
@@ -102,7 +96,7 @@ static int measure(const struct report *r, int which, struct report_stage *s)
 		}
 		s->over += which < STAGES && r->cycle[i].missed >> which & 1;
 	}
-	qsort(s->sorted_ns, s->n, sizeof(*s->sorted_ns), by_time);
+	sort_times(s->sorted_ns, s->n);
 	s->p50_ns = percentile(s, 0.5);
 	s->p95_ns = percentile(s, 0.95);
 	s->p99_ns = percentile(s, 0.99);

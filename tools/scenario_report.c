@@ -6,17 +6,12 @@
 #include <math.h>
 #include <stdlib.h>
 #include "cli.h"
+#include "hist.h"
 #include "rules.h"
+#include "sort.h"
 #include "stats.h"
 
 /* ---- figures ---------------------------------------------------------------------------------- */
-
-static int ascending(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
 
 /* Of @v[@n], which is put in order; the nearest rank. */
 static double quantile(double *v, size_t n, double q)
@@ -24,8 +19,8 @@ static double quantile(double *v, size_t n, double q)
 	if (!n) {
 		return NAN;
 	}
-	qsort(v, n, sizeof(*v), ascending);
-	return v[(size_t)ceil(q * (double)n) - 1];
+	sort_doubles(v, n);
+	return v[hist_rank(n, q) - 1];
 }
 
 /* Finite values of one figure over a row's cars. */

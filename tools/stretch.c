@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include "clock.h"
+#include "sort.h"
 
 #define LONG_S       2.0
 #define SHORT_S      1.0
@@ -110,16 +111,9 @@ void stretch_keep(struct stretch_list *l, const struct stretch *s)
 
 /* ---- medians ----------------------------------------------------------------------------------- */
 
-static int compare(const void *a, const void *b)
-{
-	const double x = *(const double *)a, y = *(const double *)b;
-
-	return (x > y) - (x < y);
-}
-
 static double middle(double *v, uint32_t n)
 {
-	qsort(v, n, sizeof(*v), compare);
+	sort_doubles(v, n);
 	return (v[(n - 1) / 2] + v[n / 2]) / 2;
 }
 

@@ -11,6 +11,7 @@
 #include "clock.h"
 #include "cmd.h"
 #include "hist.h"
+#include "sort.h"
 #include "trace.h"
 
 #define SESSION   "aebmc"
@@ -167,13 +168,6 @@ static int end(const char *who)
 
 /* ---- cost -------------------------------------------------------------------------------------------------- */
 
-static int by_time(const void *a, const void *b)
-{
-	const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
-
-	return (x > y) - (x < y);
-}
-
 /* @ns: [COST_N], sorted */
 static void fire(const struct trace_ops *ops, int64_t *ns)
 {
@@ -183,7 +177,7 @@ static void fire(const struct trace_ops *ops, int64_t *ns)
 		TRACE(ops, edge, i, EDGE_SCENE, from_ns);
 		ns[i] = clock_now_ns() - from_ns;
 	}
-	qsort(ns, COST_N, sizeof(*ns), by_time);
+	sort_times(ns, COST_N);
 }
 
 static long long at(const int64_t *ns, double q)

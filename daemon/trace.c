@@ -4,12 +4,11 @@
 #include "trace.h"
 #include <dlfcn.h>
 #include <errno.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 #include "clock.h"
+#include "program.h"
 
 #define AFTER_NS (1 * CLOCK_NS_PER_S)
 #define AGAIN_NS (10 * CLOCK_NS_PER_S)
@@ -30,37 +29,10 @@ static int prepare_environment(int live)
 		       : 0;
 }
 
-static int own_folder(char path[PATH_MAX])
-{
-	const ssize_t n = readlink("/proc/self/exe", path, PATH_MAX - 1);
-
-	if (n < 0) {
-		return -errno;
-	}
-	path[n] = '\0';
-	strrchr(path, '/')[1] = '\0';
-	return 0;
-}
-
-static void *open_provider(const char *folder, const char *name)
-{
-	char path[PATH_MAX + 64];
-	void *so = NULL;
-
-	for (size_t i = 0; i < PLACES && !so; i++) {
-		snprintf(path, sizeof(path), "%s%strace-%s.so", folder, place[i], name);
-		so = access(path, F_OK) ? NULL : dlopen(path, RTLD_NOW | RTLD_LOCAL);
-		if (!so && !access(path, F_OK)) {
-			return NULL; /* there, and unfit: dlerror says why */
-		}
-	}
-	return so;
-}
-
 int trace_load(enum trace_provider which, int live, const struct trace_ops **ret, char *err,
 	       int err_len)
 {
-	char folder[PATH_MAX];
+	char name[32], path[PATH_MAX];
 	const char *why;
 	void *so;
 	int status;
@@ -70,17 +42,18 @@ int trace_load(enum trace_provider which, int live, const struct trace_ops **ret
 		return 0;
 	}
 	status = prepare_environment(live);
-	status = status ? status : own_folder(folder);
-	if (status) {
+	snprintf(name, sizeof(name), "trace-%s.so", provider_name[which]);
+	status = status ? status : program_file(place, PLACES, name, path);
+	if (status && status != -ENOENT) {
 		snprintf(err, (size_t)err_len, "trace.provider: %s", strerror(-status));
 		return status;
 	}
-	so = open_provider(folder, provider_name[which]);
+	so = status ? NULL : dlopen(path, RTLD_NOW | RTLD_LOCAL);
 	*ret = so ? dlsym(so, TRACE_OPS_SYMBOL) : NULL;
 	if (!*ret) {
 		why = dlerror();
-		snprintf(err, (size_t)err_len, "trace.provider: cannot load trace-%s.so: %s",
-			 provider_name[which], why ? why : "it was not built (see WITH_LTTNG)");
+		snprintf(err, (size_t)err_len, "trace.provider: cannot load %s: %s", name,
+			 why ? why : "it was not built (see WITH_LTTNG)");
 		return -ENOENT;
 	}
 	return 0;

@@ -16,6 +16,24 @@ ok "both programs run from there" sh -c "$prefix/sbin/aebmcd --version && $prefi
 for car in "$prefix"/share/aebmc/vehicles/*.conf; do
 	ok "${car##*/} is good from there" "$prefix/sbin/aebmcd" --check-config "$car"
 done
+"$AEBMC" generate --drive follow >"$tmp/follow.log"
+# elsewhere PROGRAM ARGUMENT...: from a folder that has nothing of ours
+elsewhere() {
+	(cd "$tmp/empty" && "$@")
+}
+mkdir -p "$tmp/empty" "$tmp/tree/build"
+cp "$AEBMC" "$tmp/tree/build"
+refuses 78 elsewhere "$tmp/tree/build/aebmc" generate --drive follow
+like "a program without vehicles says where it looked" "$tmp/err" 'share/aebmc/vehicles/generic\.conf: cannot open'
+ln -s "$PWD/can-dbc" "$tmp/tree"
+for program in "$tmp/tree/build/aebmc" "$prefix/bin/aebmc"; do
+	where=$(dirname "${program#"$tmp/"}")
+	ok "$where: generate without --config from elsewhere" elsewhere "$program" generate --drive follow --out "$tmp/x.log"
+	ok "$where: the drive is the source tree's" cmp "$tmp/x.log" "$tmp/follow.log"
+	ok "$where: scenario without --config from elsewhere" elsewhere "$program" scenario fmvss127 --only stopped-10 \
+		--samples 1024
+	like "$where: by the bundled car" "$tmp/out" '^stopped-10 .* passed$'
+done
 unit=$prefix/lib/systemd/system/aebmcd@.service
 like "the unit starts the daemon from there" "$unit" '^ExecStart=/opt/aebmc/sbin/aebmcd --config /etc/aebmc/%i.conf$'
 for f in aebmc-irq aebmc-clocks; do

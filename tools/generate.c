@@ -11,7 +11,7 @@
 #include "splice.h"
 #include "text.h"
 
-#define CONFIG_DEFAULT "can-dbc/vehicles/generic.conf"
+#define CONFIG_DEFAULT "generic.conf"
 #define LINE_SIZE      256
 #define FRAMES         16
 
@@ -119,7 +119,7 @@ static const struct argp argp = {
 	parse,
 	NULL,
 	"A candump log of a made-up drive, through any car's mapping (without "
-	"--config: " CONFIG_DEFAULT ").",
+	"--config: the bundled " CONFIG_DEFAULT ").",
 	children,
 	NULL,
 	NULL};
@@ -231,10 +231,13 @@ static int list(void)
 
 int cmd_generate(int argc, char **argv)
 {
-	struct args a = {.setup.path = CONFIG_DEFAULT, .out = "-", .seed = 1, .at_s = -1};
+	struct args a = {.out = "-", .seed = 1, .at_s = -1};
 	const char *name = argv[0];
 	struct mapping *map = NULL;
 	struct config cfg;
+
+	setup_bundled(&a.setup, CONFIG_DEFAULT);
+
 	int code = cli_parse(&argp, argc, argv, &a);
 
 	if (code || a.list) {

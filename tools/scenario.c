@@ -15,7 +15,7 @@
 #include "setup.h"
 #include "text.h"
 
-#define CONFIG_DEFAULT "can-dbc/vehicles/generic-objects.conf"
+#define CONFIG_DEFAULT "generic-objects.conf"
 
 /* What the suites set unless the user does: the surface and the brakes of the regulations' tests. */
 static const char *const regulation[] = {
@@ -172,9 +172,6 @@ static error_t check(struct args *a, const struct argp_state *st)
 	if (!a->suite) {
 		return cli_bad(st, "which SUITE? fmvss127, ncap-ccr, false-activation or degraded");
 	}
-	if (!a->setup.path) {
-		a->setup.path = CONFIG_DEFAULT;
-	}
 	if (is_stdout(a->csv) + is_stdout(a->html) + a->json > 1) {
 		return cli_bad(st,
 			       "only one of --json, --csv - and --html - can have standard output");
@@ -257,8 +254,9 @@ static const struct argp argp = {
 	options,
 	parse,
 	"SUITE",
-	"Closed loops of the daemon's pipeline with cars, sensors and drivers, in virtual time. "
-	"Suites: fmvss127, ncap-ccr, false-activation, degraded.",
+	"Closed loops of the daemon's pipeline with cars, sensors and drivers, in virtual time "
+	"(without --config: the bundled " CONFIG_DEFAULT
+	"). Suites: fmvss127, ncap-ccr, false-activation, degraded.",
 	children,
 	NULL,
 	NULL};
@@ -485,6 +483,9 @@ int cmd_scenario(int argc, char **argv)
 {
 	struct args a = {.out = "-", .seed = 1};
 	struct work w = {.name = argv[0], .args = &a};
+
+	setup_bundled(&a.setup, CONFIG_DEFAULT);
+
 	int code = cli_parse(&argp, argc, argv, &a);
 
 	code = code ? code : open_all(&w);

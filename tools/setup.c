@@ -2,7 +2,16 @@
  * The options --config FILE and --set SECTION.KEY=VALUE of the subcommands that need a car.
  */
 #include "setup.h"
+#include <stdio.h>
+#include <unistd.h>
 #include "cli.h"
+#include "program.h"
+
+#define VEHICLES "can-dbc/vehicles/"
+
+/* From the program's folder: where it is built, and where it is installed. */
+static const char *const place[] = {"../" VEHICLES, "../share/aebmc/vehicles/"};
+#define PLACES (sizeof(place) / sizeof(place[0]))
 
 enum { KEY_CONFIG = 0x240, KEY_SET };
 
@@ -34,6 +43,15 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 }
 
 const struct argp setup_argp = {options, parse, NULL, NULL, NULL, NULL, NULL};
+
+void setup_bundled(struct setup *s, const char *file)
+{
+	snprintf(s->bundled, sizeof(s->bundled), VEHICLES "%s", file);
+	if (access(s->bundled, F_OK) != 0) {
+		program_file(place, PLACES, file, s->bundled);
+	}
+	s->path = s->bundled;
+}
 
 int setup_load(const char *name, const struct setup *s, struct config *cfg, struct mapping **map)
 {

@@ -5,19 +5,28 @@
 #define AEBMC_SETUP_H
 
 #include <argp.h>
+#include <limits.h>
 #include "config.h"
 #include "mapping.h"
 
 #define SETUP_SETS_MAX 64
 
 struct setup {
-	const char *path; /* NULL: defaults */
+	const char *path;       /* NULL: defaults */
+	char bundled[PATH_MAX]; /* what setup_bundled found */
 	const char *set[SETUP_SETS_MAX];
 	int n_set;
 };
 
-/* Child parser; its input is a zeroed struct setup. */
+/* Child parser; its input is a struct setup, zeroed or after setup_bundled. */
 extern const struct argp setup_argp;
+
+/**
+ * setup_bundled - without --config it is one of the bundled vehicles: @file, "generic.conf"
+ * From the source tree where that is the working folder or the program was built there, otherwise from where it is
+ * installed, which setup_load says if it is not there. Call it before the arguments are parsed; @s stays where it is.
+ */
+void setup_bundled(struct setup *s, const char *file);
 
 /**
  * setup_load - configuration and, where @map is not NULL, the car's mapping

@@ -26,4 +26,9 @@ static inline int64_t clock_s_to_ns(double s)
 	return (int64_t)(s * 1e9 + (s < 0 ? -0.5 : 0.5));
 }
 
+static inline int64_t clock_earlier(int64_t a_ns, int64_t b_ns)
+{
+	return a_ns < b_ns ? a_ns : b_ns;
+}
+
 #endif

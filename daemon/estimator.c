@@ -47,40 +47,62 @@ static int64_t limit_ns(const struct estimator *e, int message)
 	return e->cfg->bus_stale_periods * e->map->message[message].period_ns;
 }
 
-/* 1 if every message of the role brought a value within its limit. */
-static int is_role_fresh(const struct estimator *e, enum map_role role, int64_t now_ns)
+/* The last moment at which every message of the role has brought a value within its limit. */
+static int64_t role_until_ns(const struct estimator *e, enum map_role role)
 {
 	const struct map_role_signals *r = &e->map->role[role];
+	int64_t until_ns = r->n ? CLOCK_NEVER : DECODE_NEVER;
 
 	for (int i = 0; i < r->n; i++) {
-		if (now_ns - e->role[role].t_ns[i] > limit_ns(e, r->message[i])) {
-			return 0;
-		}
+		until_ns =
+			clock_earlier(until_ns, e->role[role].t_ns[i] + limit_ns(e, r->message[i]));
 	}
-	return r->n > 0;
+	return until_ns;
 }
 
-static int is_message_fresh(const struct estimator *e, int message, int64_t now_ns)
+static int is_role_fresh(const struct estimator *e, enum map_role role, int64_t now_ns)
 {
-	return now_ns - e->decode.message[message].t_ns <= limit_ns(e, message);
+	return now_ns <= role_until_ns(e, role);
+}
+
+static int64_t message_until_ns(const struct estimator *e, int message)
+{
+	return e->decode.message[message].t_ns + limit_ns(e, message);
 }
 
 /* Without a header every slot must be heard even while others are: the lead may be in it. With one, it must be heard, and
  * bring what it announces. */
-static int is_radar_fresh(const struct estimator *e, int64_t now_ns)
+static int64_t radar_until_ns(const struct estimator *e)
 {
 	const int header = e->map->list.header;
+	int64_t until_ns = CLOCK_NEVER;
 
 	if (header >= 0) {
-		return is_message_fresh(e, header, now_ns) &&
-		       e->pending.incomplete < (uint32_t)e->cfg->bus_stale_periods;
+		return e->pending.incomplete < (uint32_t)e->cfg->bus_stale_periods
+			       ? message_until_ns(e, header)
+			       : DECODE_NEVER;
 	}
 	for (int i = 0; i < e->map->n_tracks; i++) {
-		if (!is_message_fresh(e, e->map->track[i].message, now_ns)) {
-			return 0;
-		}
+		until_ns = clock_earlier(until_ns, message_until_ns(e, e->map->track[i].message));
 	}
-	return 1;
+	return until_ns;
+}
+
+static int is_radar_fresh(const struct estimator *e, int64_t now_ns)
+{
+	return now_ns <= radar_until_ns(e);
+}
+
+int64_t estimator_stale_ns(const struct estimator *e, int64_t now_ns)
+{
+	const int64_t until_ns[] = {role_until_ns(e, MAP_EGO_SPEED), radar_until_ns(e)};
+	int64_t stale_ns = CLOCK_NEVER;
+
+	for (int i = 0; i < 2; i++) {
+		stale_ns =
+			until_ns[i] < now_ns ? stale_ns : clock_earlier(stale_ns, until_ns[i] + 1);
+	}
+	return stale_ns;
 }
 
 /* ---- ego speed ------------------------------------------------------------------------------ */

@@ -29,6 +29,10 @@ int64_t estimator_deadline(const struct estimator *e);
 /** estimator_tick - time passes without a frame. Returns 1 if a scan ended by silence at or before @now_ns. */
 int estimator_tick(struct estimator *e, int64_t now_ns);
 
+/** estimator_stale_ns - when the next required input goes stale unless it is heard before [ns]: an instant after @now_ns,
+ * CLOCK_NEVER if none is fresh. */
+int64_t estimator_stale_ns(const struct estimator *e, int64_t now_ns);
+
 /**
  * estimator_scene - the scene, predicted to @now_ns
  * Call after a scan ended, or any time to learn what is stale. Never fails: what is missing is in s->fault and

@@ -13,11 +13,6 @@
 #define POLL_NS \
 	CLOCK_NS_PER_MS /* how long a result may lie unread where the bus cannot watch for it */
 
-static int64_t earlier(int64_t a, int64_t b)
-{
-	return a < b ? a : b;
-}
-
 /* ---- decision ---------------------------------------------------------------------------------- */
 
 /* On @s, with its result or without one; what follows goes out at once where it is news. */
@@ -232,21 +227,11 @@ static void send_if_due(struct pipeline *p, enum publish_msg which)
 	}
 }
 
-static void on_tick(struct pipeline *p)
+/* What time alone brings, without a scan or a result. 1 if level or state is a new one. */
+static int review(struct pipeline *p)
 {
-	int64_t late_ns = p->now_ns - p->tick_ns, absent = late_ns / p->period_ns;
 	struct decision dec = p->in.dec;
 
-	const uint64_t misses = (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
-
-	pipeline_miss(p, MISS_PERIOD, p->cycle.id, "", misses, late_ns);
-	TRACE(p->o.trace, published, ++p->published, p->tick_ns + absent * p->period_ns,
-	      late_ns % p->period_ns, late_ns % p->period_ns > p->period_ns / 4);
-	pipeline_tell_clock(p);
-	if (misses && p->in.state < STATE_INIT) {
-		pipeline_event(p, RECORDER_MISS);
-	}
-	p->tick_ns += (absent + 1) * p->period_ns;
 	estimator_scene(p->est, p->now_ns, &p->scene);
 	pipeline_faults(p);
 	dec.changed = 0;
@@ -256,7 +241,33 @@ static void on_tick(struct pipeline *p)
 		p->in.have_scan = p->in.have_result = 0;
 		p->in.scene = p->scene;
 	}
-	pipeline_state(p, dec);
+	return pipeline_state(p, dec);
+}
+
+/* An input that goes stale between two periods is said at once. */
+static void on_stale(struct pipeline *p)
+{
+	if (review(p)) {
+		pipeline_send(p, PUBLISH_REQUEST);
+	}
+}
+
+static void on_tick(struct pipeline *p)
+{
+	int64_t late_ns = p->now_ns - p->tick_ns, absent = late_ns / p->period_ns;
+
+	const uint64_t misses = (uint64_t)(absent + (late_ns % p->period_ns > p->period_ns / 4));
+
+	pipeline_miss(p, MISS_PERIOD, p->cycle.id, "", misses, late_ns);
+	p->published++;
+	TRACE(p->o.trace, published, p->published, p->tick_ns + absent * p->period_ns,
+	      late_ns % p->period_ns, late_ns % p->period_ns > p->period_ns / 4);
+	pipeline_tell_clock(p);
+	if (misses && p->in.state < STATE_INIT) {
+		pipeline_event(p, RECORDER_MISS);
+	}
+	p->tick_ns += (absent + 1) * p->period_ns;
+	review(p);
 	pipeline_send(p, PUBLISH_REQUEST);
 	send_if_due(p, PUBLISH_STATUS);
 	send_if_due(p, PUBLISH_TIMING);
@@ -273,19 +284,21 @@ static void keep(struct pipeline *p, const struct bus_frame *f, int n)
 
 static int64_t deadline(const struct pipeline *p)
 {
-	int64_t until_ns = earlier(p->tick_ns, estimator_deadline(p->est));
+	int64_t until_ns = clock_earlier(p->tick_ns, estimator_deadline(p->est));
 
 	if (p->running) {
-		until_ns = earlier(until_ns, p->cut_ns);
-		until_ns = p->watched ? until_ns : earlier(until_ns, p->now_ns + POLL_NS);
+		until_ns = clock_earlier(until_ns, p->cut_ns);
+		until_ns = p->watched ? until_ns : clock_earlier(until_ns, p->now_ns + POLL_NS);
 	}
 	return until_ns;
 }
 
 int pipeline_step(struct pipeline *p)
 {
+	const int64_t stale_ns = pipeline_stale_ns(p);
 	struct bus_frame f[FRAMES_MAX];
-	int n = p->o.bus->ops->recv(p->o.bus, f, FRAMES_MAX, deadline(p), &p->now_ns);
+	int n = p->o.bus->ops->recv(p->o.bus, f, FRAMES_MAX, clock_earlier(deadline(p), stale_ns),
+				    &p->now_ns);
 
 	if (n < 0) {
 		return n;
@@ -311,6 +324,8 @@ int pipeline_step(struct pipeline *p)
 	on_result(p);
 	if (p->now_ns >= p->tick_ns) {
 		on_tick(p);
+	} else if (p->now_ns >= stale_ns) {
+		on_stale(p);
 	}
 	return 0;
 }

@@ -30,13 +30,23 @@ static uint32_t bus_conditions(struct pipeline *p)
 	return faults;
 }
 
-/* A scan older than its result may be is stale, however patient the inputs' own limits are; without a backend we have
- * not started. */
+/* A scan older than its result may be is stale, however patient the inputs' own limits are. */
+static int64_t scan_until_ns(const struct pipeline *p)
+{
+	return p->stats.scans ? p->scene.scan_ns + p->ttl_ns : CLOCK_NEVER;
+}
+
+int64_t pipeline_stale_ns(const struct pipeline *p)
+{
+	const int64_t stale_ns = estimator_stale_ns(p->est, p->now_ns), scan_ns = scan_until_ns(p);
+
+	return scan_ns < p->now_ns || scan_ns >= stale_ns ? stale_ns : scan_ns + 1;
+}
+
+/* Without a backend we have not started. */
 static uint32_t input_conditions(const struct pipeline *p)
 {
-	int old = p->stats.scans && p->now_ns - p->scene.scan_ns > p->ttl_ns;
-
-	return p->scene.fault | (old ? FAULT_BIT(RADAR_STALE) : 0) |
+	return p->scene.fault | (p->now_ns > scan_until_ns(p) ? FAULT_BIT(RADAR_STALE) : 0) |
 	       (p->mc ? 0 : FAULT_BIT(STARTING));
 }
 

@@ -86,6 +86,9 @@ void pipeline_tell_evaluation(const struct pipeline *p);
 void pipeline_tell_faults(const struct pipeline *p, uint32_t was);
 void pipeline_tell_clock(struct pipeline *p);
 
+/** pipeline_stale_ns - when what is fresh at now_ns goes stale unless more is heard; CLOCK_NEVER if nothing is fresh. */
+int64_t pipeline_stale_ns(const struct pipeline *p);
+
 /** pipeline_faults - raise and clear reasons by what is known at now_ns. */
 void pipeline_faults(struct pipeline *p);
 

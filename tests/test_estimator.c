@@ -344,6 +344,9 @@ static void a_silent_car_is_stale(void **state)
 	estimator_scene(b.e, heard + 72 * MS, &s); /* three periods of 24 ms */
 	assert_int_equal(s.fault & FAULT_BIT(EGO_STALE), 0);
 	assert_true(s.lead_valid);
+	assert_int_equal(estimator_stale_ns(b.e, heard), heard + 72 * MS + 1);
+	assert_int_equal(estimator_stale_ns(b.e, heard + 72 * MS), heard + 72 * MS + 1);
+	assert_true(estimator_stale_ns(b.e, heard + 72 * MS + 1) > heard + 72 * MS + 1);
 	estimator_scene(b.e, heard + 72 * MS + 1, &s);
 	assert_int_equal(s.fault, FAULT_BIT(EGO_STALE));
 	assert_true(!s.ego_valid && !s.lead_valid);
@@ -354,6 +357,33 @@ static void a_silent_car_is_stale(void **state)
 	s = cycles(&b, 8);
 	assert_true(s.ego_valid && s.lead_valid && s.lead_id > 1);
 	close_bench(&b);
+}
+
+/* When both fall silent each goes stale at the instant announced, not a nanosecond before. */
+static void what_goes_stale_was_announced(void **state)
+{
+	static const char *const car[] = {"toyota-tss-p", "generic"};
+
+	(void)state;
+	for (size_t i = 0; i < sizeof(car) / sizeof(car[0]); i++) {
+		uint32_t fault = 0;
+		int64_t t_ns;
+		struct bench b;
+		struct scene s;
+
+		open_bench(&b, car[i]);
+		assert_int_equal(cycles(&b, 20).fault, 0);
+		while ((t_ns = estimator_stale_ns(b.e, b.t_ns)) != CLOCK_NEVER) {
+			estimator_scene(b.e, t_ns - 1, &s);
+			assert_int_equal(s.fault, fault);
+			estimator_scene(b.e, t_ns, &s);
+			assert_true(s.fault != fault && (s.fault & fault) == fault);
+			fault = s.fault;
+			b.t_ns = t_ns;
+		}
+		assert_int_equal(fault, FAULT_BIT(EGO_STALE) | FAULT_BIT(RADAR_STALE));
+		close_bench(&b);
+	}
 }
 
 static void a_silent_radar_is_stale(void **state)
@@ -893,6 +923,7 @@ int main(void)
 		cmocka_unit_test(it_starts_when_everything_was_seen),
 		cmocka_unit_test(no_target_is_no_fault),
 		cmocka_unit_test(a_silent_car_is_stale),
+		cmocka_unit_test(what_goes_stale_was_announced),
 		cmocka_unit_test(a_silent_radar_is_stale),
 		cmocka_unit_test(a_silent_slot_is_stale),
 		cmocka_unit_test(a_speed_of_two_messages_needs_both),

@@ -42,7 +42,7 @@ static struct world {
 	int n_out;
 	/* estimator */
 	struct scene scene;
-	int64_t scan_ns, pending_ns;
+	int64_t scan_ns, pending_ns, stale_ns;
 	uint64_t scans;
 	int distrusted;
 	/* backend */
@@ -211,10 +211,17 @@ int estimator_tick(struct estimator *e, int64_t now_ns)
 	return now_ns >= w.pending_ns ? end_scan(now_ns) : 0;
 }
 
+int64_t estimator_stale_ns(const struct estimator *e, int64_t now_ns)
+{
+	(void)e;
+	return w.stale_ns > now_ns ? w.stale_ns : CLOCK_NEVER;
+}
+
 void estimator_scene(struct estimator *e, int64_t now_ns, struct scene *s)
 {
 	(void)e;
 	*s = w.scene;
+	s->fault |= now_ns >= w.stale_ns ? FAULT_BIT(EGO_STALE) : 0;
 	s->t_ns = now_ns;
 	s->scan = w.scans;
 	s->scan_ns = w.scan_ns;
@@ -360,6 +367,7 @@ static void begin(const struct bus_ops *ops, int worker, int64_t (*clock)(void))
 			   .radar = 1,
 			   .scan_id = ID_SCAN,
 			   .pending_ns = CLOCK_NEVER,
+			   .stale_ns = CLOCK_NEVER,
 			   .watched_fd = -1,
 			   .n = 16384,
 			   .out = out};
@@ -519,7 +527,7 @@ static void test_request_period_is_exact(void **arg)
 		}
 	}
 	assert_int_equal(next_ns, T0 + 6 * CLOCK_NS_PER_S + PERIOD);
-	assert_int_equal(extra, 3); /* armed, warning, full; inhibited fell on a period */
+	assert_int_equal(extra, 4); /* armed, warning, full, inhibited */
 	assert_int_equal(pipeline_stats(w.p)->period_miss, 0);
 	assert_int_equal(pipeline_stats(w.p)->sent, w.n_out);
 	end();
@@ -685,7 +693,8 @@ static void test_radar_silence_inhibits(void **arg)
 	w.radar = 0;
 	run_to(w.scan_ns + 145 * MS);
 	request_is("BRAKE", "full", "brake");
-	run_to(w.scan_ns + 165 * MS); /* the first period past 150 ms */
+	run_to(w.scan_ns + 150 * MS + 1); /* on no period */
+	assert_int_equal(w.now_ns, w.scan_ns + 150 * MS + 1);
 	request_is("INHIBIT", "none", "none");
 	assert_false(has_risk());
 	assert_int_equal(raw(last(PUBLISH_REQUEST), AEB_REQUEST_TTL), 0);
@@ -703,6 +712,51 @@ static void test_radar_silence_inhibits(void **arg)
 	run_to(w.now_ns + 200 * MS);
 	request_is("ARMED", "none", "none");
 	assert_true(has_risk());
+	end();
+}
+
+/* Said when it happens, once, and the period goes on as it was. */
+static void test_an_input_goes_stale_between_periods(void **arg)
+{
+	int sent;
+
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	dangerous_scene();
+	run_scans(10);
+	w.radar = 0;
+	run_to(T0 + 25 * PERIOD);
+	request_is("BRAKE", "full", "brake");
+	sent = count(PUBLISH_REQUEST);
+	w.stale_ns = w.now_ns + 7 * MS;
+	run_to(w.stale_ns);
+	assert_int_equal(w.now_ns, w.stale_ns);
+	request_is("INHIBIT", "none", "none");
+	assert_int_equal(pipeline_now(w.p)->fault, FAULT_BIT(EGO_STALE));
+	assert_int_equal(count(PUBLISH_REQUEST), sent + 1);
+	run_to(T0 + 30 * PERIOD);
+	assert_int_equal(count(PUBLISH_REQUEST), sent + 6);
+	assert_int_equal(pipeline_stats(w.p)->period_miss, 0);
+	end();
+}
+
+/* Nothing is said of an input that goes stale while another already is. */
+static void test_a_second_stale_input_is_no_news(void **arg)
+{
+	int sent;
+
+	(void)arg;
+	begin(&log_ops, 0, NULL);
+	run_scans(10);
+	w.radar = 0;
+	run_to(w.scan_ns + 150 * MS + 1);
+	request_is("INHIBIT", "none", "none");
+	run_to(T0 + 35 * PERIOD);
+	sent = count(PUBLISH_REQUEST);
+	w.stale_ns = w.now_ns + 7 * MS;
+	run_to(w.stale_ns);
+	assert_int_equal(w.now_ns, w.stale_ns);
+	assert_int_equal(count(PUBLISH_REQUEST), sent);
 	end();
 }
 
@@ -1686,6 +1740,8 @@ int main(void)
 		cmocka_unit_test(test_futures_begin_without_our_braking),
 		cmocka_unit_test(test_no_lead_is_not_no_risk),
 		cmocka_unit_test(test_radar_silence_inhibits),
+		cmocka_unit_test(test_an_input_goes_stale_between_periods),
+		cmocka_unit_test(test_a_second_stale_input_is_no_news),
 		cmocka_unit_test(test_input_fault_inhibits),
 		cmocka_unit_test(test_invalid_ego_is_no_evaluation),
 		cmocka_unit_test(test_refused_frames_inhibit),

@@ -101,7 +101,7 @@ stale_input_inhibits_within_3_periods() {
 	traffic_stop
 	pause 0.3
 	heard
-	at_most 80 "$(first_after "$(last_of 100)" 'AEB_REQUEST: state INHIBIT')" "3 periods of 20 ms, next request frame: INHIBIT after" &&
+	at_most 61 "$(first_after "$(last_of 100)" 'AEB_REQUEST: state INHIBIT')" "3 periods of 20 ms and a wake-up: INHIBIT after" &&
 		has_reason EGO_STALE
 }
 good_traffic_arms_within_1_s() {

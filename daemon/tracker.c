@@ -253,7 +253,7 @@ static void choose_lead(struct tracker *t)
 
 const struct tracker_object *tracker_lead(const struct tracker *t)
 {
-	for (int i = 0; i < t->n && t->lead_id; i++) {
+	for (int i = 0; i < t->n; i++) {
 		if (t->object[i].id == t->lead_id) {
 			return &t->object[i];
 		}

@@ -571,6 +571,8 @@ static void oncoming_is_what_surely_comes(void **state)
 	assert_false(tracker_oncoming(&w.t, &o));
 	o.k.x[SCENE_LEAD_SPEED] = -surely * 0.99;
 	assert_false(tracker_oncoming(&w.t, &o));
+	o.k.x[SCENE_LEAD_SPEED] = -surely;
+	assert_false(tracker_oncoming(&w.t, &o));
 	o.k.x[SCENE_LEAD_SPEED] = -surely * 1.01;
 	assert_true(tracker_oncoming(&w.t, &o));
 }

@@ -95,11 +95,6 @@ static int open_trace(struct live *l, char *err, int err_len)
 	return trace_load((enum trace_provider)l->cfg->trace_provider, 1, &l->trace, err, err_len);
 }
 
-static void close_nothing(struct live *l)
-{
-	(void)l;
-}
-
 /* $DIRECTORY/name from the unit's environment, unless the option says otherwise; 0 if there is neither. */
 static int unit_path(const char *option, const char *variable, const char *name, char *path,
 		     size_t size)
@@ -388,22 +383,13 @@ static void close_real_time(struct live *l)
 	}
 }
 
-/* Nothing to open; closed first, so that the real-time thread ends before what it uses. */
-static int open_nothing(struct live *l, char *err, int err_len)
-{
-	(void)l;
-	(void)err;
-	(void)err_len;
-	return 0;
-}
-
-/* Each needs those above it. */
+/* Each needs those above it; NULL: nothing to do. */
 static const struct room {
 	int (*open)(struct live *l, char *err, int err_len);
 	void (*close)(struct live *l);
 } rooms[] = {
 	{open_signals, close_signals},
-	{open_trace, close_nothing},
+	{open_trace, NULL},
 	{open_control, close_control},
 	{open_bus, close_bus},
 	{open_recorder, close_recorder},
@@ -412,7 +398,7 @@ static const struct room {
 	{open_thread, stop_thread},
 	{open_mc, close_mc},
 	{open_real_time, close_real_time},
-	{open_nothing, stop_thread},
+	{NULL, stop_thread}, /* ends before what it uses */
 };
 
 #define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))
@@ -433,15 +419,17 @@ int live_run(const struct config *cfg, const struct mapping *map,
 	l->reload = reload;
 	l->reload_arg = arg;
 	for (; n < ROOMS && !ret; n++) {
-		ret = rooms[n].open(l, err, err_len);
+		ret = rooms[n].open ? rooms[n].open(l, err, err_len) : 0;
 	}
 	if (ret) {
 		n--; /* the room that failed has closed itself */
 	} else {
 		ret = housekeeping_run(l, err, err_len);
 	}
-	while (n > 0) {
-		rooms[--n].close(l);
+	while (n-- > 0) {
+		if (rooms[n].close) {
+			rooms[n].close(l);
+		}
 	}
 	free(l);
 	return ret;

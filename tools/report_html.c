@@ -4,28 +4,9 @@
 #include <inttypes.h>
 #include <math.h>
 #include "clock.h"
+#include "page.h"
 #include "report.h"
 #include "svg.h"
-
-static const char style[] =
-	":root{color-scheme:light "
-	"dark;--ink:#1b1f24;--paper:#fff;--faint:#667;--line:#d8dce2;--bad:#b3261e;--good:#1a7f37}"
-	"@media(prefers-color-scheme:dark){:root{--ink:#e6e8eb;--paper:#14171a;--faint:#9aa4ae;--"
-	"line:#333a42;"
-	"--bad:#ff8a80;--good:#7ee2a0}}"
-	"body{font:15px/1.45 "
-	"system-ui,sans-serif;color:var(--ink);background:var(--paper);margin:2rem auto;"
-	"max-width:980px;padding:0 "
-	"1rem}h1{font-size:1.5rem;margin:0}h2{font-size:1.15rem;margin:2.2rem 0 .4rem}"
-	"p{margin:.3rem "
-	"0}.faint,td.what,caption{color:var(--faint)}.bad{color:var(--bad);font-weight:600}"
-	".good{color:var(--good);font-weight:600}"
-	"table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}"
-	"th,td{text-align:right;padding:.18rem .5rem;border-bottom:1px solid var(--line)}"
-	"th{font-weight:600}th:first-child,td:first-child,td.what{text-align:left}"
-	"tr.sum td{font-weight:600}tr.part "
-	"td{color:var(--faint)}svg{max-width:100%;height:auto;display:block;margin:.6rem 0}"
-	".wide{overflow-x:auto}";
 
 static double ms(int64_t ns)
 {
@@ -72,7 +53,7 @@ static void sub_row(const struct report *r, int sub, FILE *out)
 	if (r->sub[sub].n) {
 		fprintf(out, "<tr class=part><td>&emsp;%s</td>", report_sub_name[sub]);
 		figures(out, &r->sub[sub]);
-		fprintf(out, "<td></td><td></td><td class=what>%s</td></tr>\n",
+		fprintf(out, "<td></td><td></td><td class=\"text faint\">%s</td></tr>\n",
 			report_sub_doc[sub]);
 	}
 }
@@ -95,7 +76,7 @@ static void stage_table_html(const struct report *r, FILE *out)
 		} else {
 			fputs("<td></td>", out);
 		}
-		fprintf(out, "<td class=what>%s</td></tr>\n", row->doc);
+		fprintf(out, "<td class=\"text faint\">%s</td></tr>\n", row->doc);
 		for (int k = 0; k < SUBS && s == STAGE_MC; k++) {
 			sub_row(r, k, out);
 		}
@@ -121,7 +102,7 @@ static void miss_table_html(const struct report *r, FILE *out)
 		cell_count(out, u->longest, 0);
 		cell_share(out, report_chance(u));
 		cell_share(out, report_chance_again(u));
-		fprintf(out, "<td class=what>%s</td></tr>\n", unit[k]);
+		fprintf(out, "<td class=\"text faint\">%s</td></tr>\n", unit[k]);
 	}
 	fprintf(out,
 		"</table></div><p>%" PRIu64 " request frames in time + %" PRIu64 " missed, %" PRIu64
@@ -185,12 +166,8 @@ static void head(const struct report *r, const char *dir, FILE *out)
 	char when[32];
 
 	report_when(r, r->first_mono_ns, when, sizeof(when));
-	fputs("<!doctype html><html lang=en><meta charset=utf-8><meta name=viewport "
-	      "content=\"width=device-width\"><title>aebmc report</title><style>",
-	      out);
-	fputs(style, out);
-	svg_css(out);
-	fputs("</style>\n<h1>aebmc report</h1>\n<p class=faint>", out);
+	page_open(out, "aebmc report");
+	fputs("<p class=faint>", out);
 	svg_escape(out, dir);
 	fprintf(out,
 		"</p>\n<p>%.1f s from %s UTC, %zu evaluations, %" PRIu64 " events, %" PRIu64
@@ -213,5 +190,5 @@ void report_html(const struct report *r, const char *dir, FILE *out)
 	report_draw_worst(r, out);
 	worst_table_html(r, out);
 	report_draw_risk(r, out);
-	fputs("</html>\n", out);
+	page_close(out);
 }

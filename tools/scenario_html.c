@@ -7,22 +7,13 @@
 #include <math.h>
 #include <stdlib.h>
 #include "cli.h"
+#include "page.h"
 #include "rules.h"
 #include "scenario_report.h"
 #include "svg.h"
 
 #define LANE_PX  15.0
 #define FRAME_PX 120.0 /* title, axis and legend */
-
-static const char style[] =
-	"body{font:15px/1.45 system-ui,sans-serif;margin:2rem auto;max-width:1100px;padding:0 1rem;"
-	"color:#1b1f24;background:#fff}"
-	"@media(prefers-color-scheme:dark){body{color:#e6e8eb;background:#14171a}}"
-	"table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums}"
-	"th,td{text-align:right;padding:.15rem .5rem;border-bottom:1px solid #8886}"
-	"th:first-child,td:first-child,td:last-child{text-align:left}.bad{font-weight:600;color:#"
-	"c33}"
-	"svg{max-width:100%;height:auto;display:block;margin:1rem 0}";
 
 struct column {
 	const char *name;
@@ -94,7 +85,7 @@ static const struct column column[] = {
 
 static void table(FILE *out, const struct scenario_plan *p, const struct scenario_row *r)
 {
-	fputs("<table><tr><th>row", out);
+	fputs("<div class=wide><table><tr><th>row", out);
 	for (size_t i = 0; i < COLUMNS; i++) {
 		fprintf(out, "<th>%s", column[i].name);
 	}
@@ -107,10 +98,10 @@ static void table(FILE *out, const struct scenario_plan *p, const struct scenari
 
 			fprintf(out, isfinite(v) ? "<td>%.*f" : "<td>", i ? 2 : 0, v);
 		}
-		fprintf(out, "<td%s>%s</tr>\n", r[row].failed ? " class=bad" : "",
+		fprintf(out, "<td class=\"text%s\">%s</tr>\n", r[row].failed ? " bad" : "",
 			scenario_verdict(&p->row[row], &r[row]));
 	}
-	fputs("</table>\n", out);
+	fputs("</table></div>\n", out);
 }
 
 /* ---- picture ----------------------------------------------------------------------------------- */
@@ -173,16 +164,17 @@ static void picture(FILE *out, const struct scenario_plan *p, const struct scena
 
 /* ---- page -------------------------------------------------------------------------------------- */
 
-static void summary(FILE *out, const struct scenario_plan *p, const struct scenario_sum *s)
+static void head(FILE *out, const struct scenario_plan *p, const struct scenario_sum *s)
 {
-	char cpu[128];
+	char title[64], cpu[128];
 
+	snprintf(title, sizeof(title), "aebmc scenario %s", p->suite->name);
 	cli_cpu_name(cpu, sizeof(cpu));
+	page_open(out, title);
 	fprintf(out,
-		"<h1>aebmc scenario %s</h1><p>%" PRIu64
-		" runs; full braking %g m/s<sup>2</sup>, %lld "
+		"<p>%" PRIu64 " runs; full braking %g m/s<sup>2</sup>, %lld "
 		"samples, configuration %016" PRIx64 "%s%s; ",
-		p->suite->name, s->runs, p->cfg->brake_accel, (long long)p->cfg->mc_samples,
+		s->runs, p->cfg->brake_accel, (long long)p->cfg->mc_samples,
 		config_hash(p->cfg, p->map), p->rule ? ", decided by " : "",
 		p->rule ? p->rule->name : "");
 	svg_escape(out, cpu);
@@ -207,15 +199,10 @@ int scenario_html(FILE *out, const struct scenario_plan *p, const struct scenari
 		name[i] = p->row[i].name;
 	}
 	if (ok) {
-		fprintf(out,
-			"<!doctype html><html lang=en><meta charset=utf-8><title>aebmc scenario "
-			"%s</title><style>%s",
-			p->suite->name, style);
-		svg_css(out);
-		fputs("</style>\n", out);
-		summary(out, p, &sum);
+		head(out, p, &sum);
 		picture(out, p, row, name);
 		table(out, p, row);
+		page_close(out);
 	}
 	free(row);
 	free(name);

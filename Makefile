@@ -255,7 +255,7 @@ $(O)/tests/system/%: $(O)/tests/system/%.o
 	$(Q)$(CC) $(LDFLAGS_ALL) -o $@ $^
 check-system: deps-system deps-deb all $(SYSTEM_TOOLS)
 	$(Q)mkdir -p $(O)/log && tests/system/image.sh >/dev/null
-	$(Q)O=$(O) tests/run $(RUN_FLAGS) --jobs 2 --log $(O)/log tests/system/timing.sh tests/system/behaviour.sh tests/system/trace.sh tests/system/deb.sh
+	$(Q)O=$(O) tests/run $(RUN_FLAGS) --lines --jobs 2 --log $(O)/log tests/system/timing.sh tests/system/behaviour.sh tests/system/trace.sh tests/system/deb.sh
 
 # ---- packages ------------------------------------------------------------------------------------
 # Debian packages by apt; PyPI only for test oracles. As root they are installed, otherwise named.

@@ -11,6 +11,7 @@ struct link_state {
 	int known; /* 0: no netlink, no such interface, or no controller (vcan) */
 	const char *
 		state; /* "error-active", "error-warning", "error-passive", "bus-off", "stopped", "sleeping" */
+	int counted; /* 0: the driver counts no errors, the two below are nothing */
 	uint16_t tx_errors, rx_errors;
 	uint32_t bitrate;    /* [bit/s] */
 	double sample_point; /* 0..1 */

@@ -41,7 +41,8 @@ void link_read(const char *name, struct link_state *l)
 	l->bitrate = timing.bitrate;
 	l->sample_point = timing.sample_point / 1000.0;
 	can_get_restart_ms(name, &l->restart_ms);
-	if (!can_get_berr_counter(name, &errors)) {
+	l->counted = !can_get_berr_counter(name, &errors);
+	if (l->counted) {
 		l->tx_errors = errors.txerr;
 		l->rx_errors = errors.rxerr;
 	}

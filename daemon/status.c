@@ -143,8 +143,10 @@ static void links_json(struct json *j, const struct status_link *l, int n)
 		json_bool(j, "up", l[i].up);
 		json_str(j, "state", l[i].link.state);
 		json_bool(j, "known", l[i].link.known);
-		json_uint(j, "tx_errors", l[i].link.tx_errors);
-		json_uint(j, "rx_errors", l[i].link.rx_errors);
+		if (l[i].link.counted) {
+			json_uint(j, "tx_errors", l[i].link.tx_errors);
+			json_uint(j, "rx_errors", l[i].link.rx_errors);
+		}
 		json_uint(j, "bitrate", l[i].link.bitrate);
 		json_num(j, "sample_point", l[i].link.sample_point);
 		json_uint(j, "restart_ms", l[i].link.restart_ms);

@@ -40,12 +40,15 @@ static struct hist hist[STAGES];
 static int write_status(void **state)
 {
 	const struct status s = {.now.fault = 3, .now.have_result = 1};
-	const struct status_link link[] = {{"can0", 1, {.known = 1, .state = "bus-off"}}};
+	const struct status_link link[] = {
+		{"can0", 1, {.known = 1, .state = "bus-off", .counted = 1}},
+		{"can1", 1, {.known = 1, .state = "bus-off"}},
+	};
 	FILE *out = fmemopen(text, sizeof(text), "w");
 
 	(void)state;
 	hist_add(&hist[STAGE_MC], 12000000);
-	status_json(&s, hist, link, 1, out);
+	status_json(&s, hist, link, 2, out);
 	return fclose(out);
 }
 
@@ -64,6 +67,8 @@ static void test_paths(void **state)
 	expect_rows(rows, ROWS);
 	expect_rows(line_rows, LINE_ROWS);
 	expect_rows(link_rows, LINK_ROWS);
+	assert_null(json_path(text, "links.1.tx_errors")); /* not counted is not 0 */
+	assert_non_null(json_path(text, "links.1.bitrate"));
 }
 
 static void test_lists(void **state)

@@ -144,8 +144,7 @@ ok "not its frames" cmp "$tmp/x.log" "$ours"
 # Ctrl-C
 "$AEBMC" curve --samples 4000000000 >"$tmp/out" 2>"$tmp/err" &
 child=$!
-sleep 1
-kill -INT $child
+interrupt $child 1
 wait $child
 is "curve ends on Ctrl-C with what it has" $? 1
 like "curve says so" "$tmp/out" '^Interrupted after [0-9]+ of 4000000000 samples'
@@ -153,8 +152,7 @@ mkfifo "$tmp/fifo"
 timeout 30 sh -c 'exec >"$1"; cat "$2"; sleep 3' sh "$tmp/fifo" "$drive" >/dev/null 2>&1 &
 "$AEBMC" replay --config $car --json "$tmp/fifo" >"$tmp/out" 2>"$tmp/err" &
 child=$!
-sleep 2
-kill -INT $child
+interrupt $child 2
 wait $child
 is "replay ends on Ctrl-C" $? 1
 json "replay: with what it has" "$tmp/out" 'j["interrupted"] is True and j["frames"] > 0'
@@ -162,8 +160,7 @@ for size in "100000000 64" "1000 400000" "2000000 64"; do # in batches, the resi
 	for json in "" --json; do
 		"$AEBMC" verify --samples ${size% *} --resident ${size#* } $json >"$tmp/out" 2>"$tmp/err" &
 		child=$!
-		sleep 2
-		kill -INT $child
+		interrupt $child 2
 		wait $child
 		is "verify $json of $size ends on Ctrl-C" $? 1
 		is "and nothing went wrong" "$(cat "$tmp/err")" ""
@@ -178,8 +175,7 @@ idle() {
 	"$@" <"$tmp/idle" >"$tmp/out" 2>"$tmp/err" &
 	child=$!
 	exec 3>"$tmp/idle"
-	sleep 2
-	kill -INT $child
+	interrupt $child 2
 	(sleep 20 && kill -KILL $child) >/dev/null 2>&1 &
 	guard=$!
 	wait $child

@@ -101,8 +101,7 @@ exits "a full disk" 1 "$AEBMC" paper --out "$dir"
 is "is told in one line" "$(cat "$tmp/err")" "aebmc paper: $dir/table1.md: No space left on device"
 "$AEBMC" paper --out "$tmp/cut" >"$tmp/out" 2>"$tmp/err" &
 child=$!
-sleep 0.3
-kill -INT $child 2>/dev/null
+interrupt $child 0.3 2>/dev/null
 wait $child
 case $? in
 1) is "Ctrl-C ends it with a word" "$(cat "$tmp/err")" "aebmc paper: interrupted" ;;

@@ -95,6 +95,20 @@ json() {
 	[ $tap_status -eq 0 ] || show "$tmp/json" "$2"
 }
 
+# interrupt PID SECONDS: Ctrl-C, so long after the program began to listen for it (a job in the background ignores it
+# before); at once if it does not within a minute
+interrupt() {
+	tap_tenths=0
+	while [ $tap_tenths -lt 600 ]; do
+		tap_caught=$(sed -n 's/^SigCgt:[[:space:]]*//p' "/proc/$1/status" 2>/dev/null)
+		[ $((0x${tap_caught:-2} & 2)) -eq 0 ] || break
+		sleep 0.1
+		tap_tenths=$((tap_tenths + 1))
+	done
+	sleep "$2"
+	kill -INT "$1"
+}
+
 done_testing() {
 	echo "1..$tap_n"
 }

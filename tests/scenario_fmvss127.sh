@@ -72,6 +72,11 @@ assert [replay[k] for k in ("warn", "partial", "full")] == [run[k] for k in ("wa
 assert abs(first["warn"] - run["warn_s"]) < 0.0015 and abs(first["full"] - run["full_s"]) < 0.0015, (first, run)
 ' "$tmp/short.json" "$tmp/replay.json" $row
 
+cp "$tmp/run.log" "$tmp/before.log"
+refuses 1 env CUDA_VISIBLE_DEVICES= "$AEBMC" scenario fmvss127 --log-run $row --set mc.backend=cuda --out "$tmp/run.log"
+like "no GPU is there, whatever the machine" "$tmp/err" 'cannot open the cuda backend'
+ok "a run that cannot begin leaves the log as it was" cmp "$tmp/run.log" "$tmp/before.log"
+
 # other rules on the same runs
 ok "compare" "$AEBMC" scenario fmvss127 --short --only brake-80 --compare --json
 json "the daemon among five rules, and it alone neither touches nor brakes early" "$tmp/out" \

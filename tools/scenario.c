@@ -88,23 +88,25 @@ static int log_run(struct scenario_work *w)
 	const struct config *cfg = &w->told[0];
 	const struct scenario_draw d =
 		scenario_draw(&w->cfg, w->row, w->plan.seed, w->plan.first_car);
-	struct scenario_bench b = {
-		.cfg = cfg, .map = w->map, .log = cli_create(w->name, w->args->out)};
+	struct scenario_bench b = {.cfg = cfg, .map = w->map};
 	enum publish_backend which;
 	struct scenario_result r;
+	int code = CLI_FAILED;
 	char err[256];
 
-	if (!b.log) {
-		return CLI_FAILED;
-	}
 	if (engine_open(cfg, MC_INLINE, &b.mc, &which, err, sizeof(err))) {
 		return cli_error(CLI_FAILED, w->name, "%s", err);
 	}
-	const int error = scenario_run(&b, w->row, &d, &r);
-	const int code = cli_close(w->name, w->args->out, b.log);
+	b.log = cli_create(w->name, w->args->out);
+	if (b.log) {
+		const int error = scenario_run(&b, w->row, &d, &r);
 
+		code = cli_close(w->name, w->args->out, b.log);
+		code = error && !code ? cli_error(CLI_FAILED, w->name, "%s", strerror(-error))
+				      : code;
+	}
 	mc_close(b.mc);
-	return error && !code ? cli_error(CLI_FAILED, w->name, "%s", strerror(-error)) : code;
+	return code;
 }
 
 int cmd_scenario(int argc, char **argv)

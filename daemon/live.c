@@ -4,6 +4,7 @@
 #include "live_priv.h"
 
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,8 +20,8 @@
 #define SNAPSHOT_NS (10 * CLOCK_NS_PER_MS)
 #define JOIN_NS     (100 * CLOCK_NS_PER_MS)
 #define IDS_MAX     (MAP_MESSAGES_MAX + PUBLISH_MSGS)
-#define FRAMES_KEPT (1u << 17) /* 32 s at 4,000 frames/s */
-#define EVALS_KEPT  (1u << 10) /* 51 s at 20 Hz */
+/* About what a full bus of 500 kbit/s carries. */
+#define FRAMES_PER_S 4000
 
 enum policy { RT_OFF, RT_OPTIONAL, RT_REQUIRED };
 
@@ -182,8 +183,9 @@ static int open_recorder(struct live *l, char *err, int err_len)
 					  .n_ifaces = l->map->n_ifaces,
 					  .before_ns = clock_s_to_ns(l->cfg->recorder_before),
 					  .after_ns = clock_s_to_ns(l->cfg->recorder_after),
-					  .frames = FRAMES_KEPT,
-					  .requests = EVALS_KEPT,
+					  .frames_per_s = FRAMES_PER_S,
+					  .requests_per_s =
+						  (uint32_t)ceil(1000 / l->cfg->radar_period),
 					  .bytes_max = (uint64_t)l->cfg->recorder_size << 20};
 
 	if (!unit_path(l->cfg->recorder_dir, "STATE_DIRECTORY", "", dir, sizeof(dir))) {

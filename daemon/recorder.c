@@ -12,10 +12,12 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "clock.h"
 #include "hash.h"
 #include "ring.h"
 
-#define PREFIX "event-"
+#define PREFIX     "event-"
+#define LATENCY_NS (2 * CLOCK_NS_PER_S) /* until the oldest of an event that is over is read */
 
 const char *const recorder_reason_name[RECORDER_REASONS] = {"warn", "request", "fault", "miss",
 							    "mark"};
@@ -38,6 +40,18 @@ struct recorder {
 	int event_why;    /* atomic */
 	unsigned serial;  /* of the last event */
 };
+
+/* A ring's entries: what comes while an event lasts, a power of two. */
+static uint32_t kept(const struct recorder_params *p, uint32_t per_s)
+{
+	const int64_t kept_ns = p->before_ns + p->after_ns + LATENCY_NS;
+	uint32_t n = 1;
+
+	while (n < kept_ns * per_s / CLOCK_NS_PER_S) {
+		n *= 2;
+	}
+	return n;
+}
 
 int recorder_open(const struct recorder_params *p, struct recorder **ret, char *err, int err_len)
 {
@@ -65,10 +79,11 @@ int recorder_open(const struct recorder_params *p, struct recorder **ret, char *
 			}
 		}
 		closedir(d);
-		status = ring_open(p->frames, sizeof(struct bus_frame), &r->frames);
+		status = ring_open(kept(p, p->frames_per_s), sizeof(struct bus_frame), &r->frames);
 	}
 	status = status ? status
-			: ring_open(p->requests, sizeof(struct evaluation), &r->evaluations);
+			: ring_open(kept(p, p->requests_per_s), sizeof(struct evaluation),
+				    &r->evaluations);
 	if (status) {
 		snprintf(err, (size_t)err_len, "recorder: %s: %s", r->dir, strerror(-status));
 		recorder_close(r);

@@ -28,14 +28,13 @@ struct recorder_params {
 	const char *const *ifaces; /* names for the log, by index */
 	int n_ifaces;
 	int64_t before_ns, after_ns;
-	uint32_t frames;    /* kept in memory, a power of two */
-	uint32_t requests;  /* kept in memory, a power of two */
+	uint32_t frames_per_s, requests_per_s; /* at most: what memory is sized for */
 	uint64_t bytes_max; /* of all event files together; the oldest are removed */
 };
 
 struct recorder;
 
-/** recorder_open - allocates the rings; finds the number of the last event in the folder. 0 or -errno, @err says why. */
+/** recorder_open - allocates rings for the longest event; finds the number of the last event in the folder. 0 or -errno, @err says why. */
 int recorder_open(const struct recorder_params *p, struct recorder **ret, char *err, int err_len);
 
 /** recorder_frame - keep a frame. Real-time thread; no allocation, no system call. */

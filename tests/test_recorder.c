@@ -17,9 +17,21 @@
 #include <unistd.h>
 
 #include "clock.h"
-#include "recorder.h"
+#include "ring.h"
 
-#define S CLOCK_NS_PER_S
+/* The ring that has no memory; 0: all have. */
+static int scarce;
+
+static int scarce_ring(uint32_t count, uint32_t bytes, struct ring **ret)
+{
+	return scarce && --scarce == 0 ? -ENOMEM : ring_open(count, bytes, ret);
+}
+#define ring_open scarce_ring
+#include "../daemon/recorder.c"
+#undef ring_open
+
+#define S  CLOCK_NS_PER_S
+#define MS CLOCK_NS_PER_MS
 
 static const char *const iface[] = {"can0", "can1"};
 static char dir[64];
@@ -41,15 +53,16 @@ static int remove_dir(void **state)
 	return system(cmd);
 }
 
-static struct recorder *open_recorder(uint64_t bytes_max)
+static struct recorder *open_with(int64_t before_ns, int64_t after_ns, uint32_t per_s,
+				  uint64_t bytes_max)
 {
 	const struct recorder_params p = {.dir = dir,
 					  .ifaces = iface,
 					  .n_ifaces = 2,
-					  .before_ns = 20 * S,
-					  .after_ns = 10 * S,
-					  .frames = 1024,
-					  .requests = 64,
+					  .before_ns = before_ns,
+					  .after_ns = after_ns,
+					  .frames_per_s = per_s,
+					  .requests_per_s = per_s,
 					  .bytes_max = bytes_max};
 	struct recorder *r = NULL;
 
@@ -57,10 +70,16 @@ static struct recorder *open_recorder(uint64_t bytes_max)
 	return r;
 }
 
-static void put_second(struct recorder *r, int64_t t)
+static struct recorder *open_recorder(uint64_t bytes_max)
 {
+	return open_with(20 * S, 10 * S, 1, bytes_max);
+}
+
+static void put(struct recorder *r, int64_t t_ns)
+{
+	const int64_t t = t_ns / S;
 	const struct bus_frame f = {
-		.t_ns = t * S, .id = 0x100, .iface = 1, .len = 2, .data = {0xAB, (uint8_t)t}};
+		.t_ns = t_ns, .id = 0x100, .iface = 1, .len = 2, .data = {0xAB, (uint8_t)t}};
 	struct mc_request req;
 	const struct mc_result res = {
 		.n = 16, .n_futures = 1, .risk = {{.hits = (uint64_t)t, .lo = 0.25, .hi = 0.5}}};
@@ -68,7 +87,12 @@ static void put_second(struct recorder *r, int64_t t)
 	mc_preset_paper(&req, 100.0f, 16);
 	req.id = (uint64_t)t;
 	recorder_frame(r, &f);
-	recorder_evaluation(r, t * S, &req, &res);
+	recorder_evaluation(r, t_ns, &req, &res);
+}
+
+static void put_second(struct recorder *r, int64_t t)
+{
+	put(r, t * S);
 }
 
 static int count_lines(const char *path, const char *needle)
@@ -85,10 +109,18 @@ static int count_lines(const char *path, const char *needle)
 	return n;
 }
 
+static char *requests_of(const char *log)
+{
+	static char path[RECORDER_PATH_MAX + 16];
+
+	snprintf(path, sizeof(path), "%.*s.requests", (int)(strlen(log) - 4), log);
+	return path;
+}
+
 static void test_writes_what_came_before_and_after(void **state)
 {
 	struct recorder *r = open_recorder(1 << 20);
-	char path[RECORDER_PATH_MAX] = "", requests[RECORDER_PATH_MAX + 16];
+	char path[RECORDER_PATH_MAX] = "";
 
 	(void)state;
 	for (int64_t t = 1; t <= 70; t++) {
@@ -103,8 +135,7 @@ static void test_writes_what_came_before_and_after(void **state)
 	assert_int_equal(count_lines(path, "can1 100#AB"), 31); /* 30..60 s */
 	assert_int_equal(count_lines(path, "(0000001030.000000) can1 100#AB1E"), 1);
 	assert_int_equal(count_lines(path, "(0000001060.000000)"), 1);
-	snprintf(requests, sizeof(requests), "%.*s.requests", (int)(strlen(path) - 4), path);
-	assert_int_equal(count_lines(requests, "(00000010"), 31);
+	assert_int_equal(count_lines(requests_of(path), "(00000010"), 31);
 	recorder_close(r);
 
 	r = open_recorder(1 << 20); /* numbering goes on */
@@ -113,6 +144,26 @@ static void test_writes_what_came_before_and_after(void **state)
 	assert_int_equal(recorder_service(r, 101 * S, 0, 0, path), 0);
 	assert_int_equal(recorder_service(r, 101 * S, 0, 1, path), 1); /* at exit what there is */
 	assert_non_null(strstr(path, "/event-000002-mark.log"));
+	recorder_close(r);
+}
+
+/* The longest that may be configured, at the rates that were announced, all of it. */
+static void test_memory_holds_what_is_promised(void **state)
+{
+	struct recorder *r = open_with(30 * S, 60 * S, 20, 1 << 30);
+	char path[RECORDER_PATH_MAX];
+
+	(void)state;
+	for (int64_t t_ns = S; t_ns <= 260 * S; t_ns += 50 * MS) {
+		put(r, t_ns);
+		if (t_ns == 200 * S) {
+			recorder_trigger(r, RECORDER_WARN, t_ns);
+		}
+	}
+	assert_int_equal(recorder_service(r, 261 * S, 0, 0, path), 1);
+	assert_int_equal(count_lines(path, "100#AB"), 90 * 20 + 1);
+	assert_int_equal(count_lines(requests_of(path), "(0000000"), 90 * 20 + 1);
+	assert_int_equal(count_lines(requests_of(path), "(0000000170.000000)"), 1);
 	recorder_close(r);
 }
 
@@ -169,15 +220,19 @@ static void test_a_failed_write_leaves_no_partial_file(void **state)
 
 static void test_open_says_what_is_wrong(void **state)
 {
-	struct recorder_params p = {.dir = "/nonexistent/x", .frames = 16, .requests = 16};
+	struct recorder_params p = {
+		.dir = "/nonexistent/x", .frames_per_s = 1, .requests_per_s = 1};
 	struct recorder *r = NULL;
 
 	(void)state;
 	assert_int_equal(recorder_open(&p, &r, err, sizeof(err)), -ENOENT);
 	assert_non_null(strstr(err, "/nonexistent/x"));
 	p.dir = dir;
-	p.frames = 3;
-	assert_int_equal(recorder_open(&p, &r, err, sizeof(err)), -EINVAL);
+	for (int i = 1; i <= 2; i++) {
+		scarce = i;
+		assert_int_equal(recorder_open(&p, &r, err, sizeof(err)), -ENOMEM);
+		assert_non_null(strstr(err, dir));
+	}
 	assert_null(r);
 	recorder_close(NULL);
 }
@@ -185,7 +240,7 @@ static void test_open_says_what_is_wrong(void **state)
 static void test_requests_read_back(void **state)
 {
 	struct recorder *r = open_recorder(1 << 20);
-	char path[RECORDER_PATH_MAX], requests[RECORDER_PATH_MAX + 16], line[4096], bad[4096];
+	char path[RECORDER_PATH_MAX], line[4096], bad[4096];
 	struct mc_request req, want;
 	uint64_t hash;
 	FILE *f;
@@ -194,8 +249,7 @@ static void test_requests_read_back(void **state)
 	put_second(r, 7);
 	recorder_trigger(r, RECORDER_MARK, 7 * S);
 	assert_int_equal(recorder_service(r, 0, 0, 1, path), 1);
-	snprintf(requests, sizeof(requests), "%.*s.requests", (int)(strlen(path) - 4), path);
-	f = fopen(requests, "r");
+	f = fopen(requests_of(path), "r");
 	assert_non_null(fgets(line, sizeof(line), f));
 	assert_int_equal(recorder_parse(line, &req, &hash), -ENOMSG);
 	assert_non_null(fgets(line, sizeof(line), f));
@@ -227,6 +281,8 @@ int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(test_writes_what_came_before_and_after, make_dir,
+						remove_dir),
+		cmocka_unit_test_setup_teardown(test_memory_holds_what_is_promised, make_dir,
 						remove_dir),
 		cmocka_unit_test_setup_teardown(test_oldest_events_are_removed, make_dir,
 						remove_dir),

@@ -59,8 +59,8 @@ static int write_file(void **state)
 					  .n_ifaces = 1,
 					  .before_ns = 20 * CLOCK_NS_PER_S,
 					  .after_ns = CLOCK_NS_PER_S,
-					  .frames = 16,
-					  .requests = 64,
+					  .frames_per_s = 1,
+					  .requests_per_s = 20,
 					  .bytes_max = 1 << 20};
 	struct recorder *r;
 	struct mc *mc = open_few();

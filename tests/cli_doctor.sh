@@ -42,6 +42,8 @@ good_machine() {
 Max realtime priority  80  80  '
 	put dev/cpu_dma_latency ''
 	chmod 660 "$root/dev/cpu_dma_latency"
+	put etc/group "root:x:0:
+aebmc:x:$(stat -c %g "$root/dev/cpu_dma_latency"):"
 	put lib/modules/6.1.0-rt/modules.dep 'kernel/net/can/can-raw.ko: kernel/net/can/can.ko
 kernel/drivers/net/can/vcan.ko:
 kernel/net/can/can-gw.ko.xz: kernel/net/can/can.ko'
@@ -102,6 +104,14 @@ like "what mends it" "$tmp/out" '^ +mend it: +apt-get install linux-image-rt'
 spoil rt_group missing boot/config-6.1.0-rt CONFIG_RT_GROUP_SCHED=y
 spoil rt_group missing sys/fs/cgroup/cpu/cpu.rt_runtime_us 0
 without rt_group none boot
+good_machine
+echo CONFIG_RT_GROUP_SCHED=y | gzip >"$root/proc/config.gz"
+is "rt_group: the kernel's own configuration counts" "$(verdict rt_group)" missing
+echo '# CONFIG_RT_GROUP_SCHED is not set' | gzip >"$root/proc/config.gz"
+rm -r "$root/boot"
+is "rt_group: with none beside it, too" "$(verdict rt_group)" good
+echo CONFIG_RT_GROUP_SCHED=y >"$root/proc/config.gz"
+is "rt_group: what is no gzip says nothing" "$(verdict rt_group)" none
 spoil throttling advice proc/sys/kernel/sched_rt_runtime_us 950000
 without throttling none proc/sys
 spoil isolated advice sys/devices/system/cpu/isolated ''
@@ -144,6 +154,8 @@ is "rtprio: what the running daemon has counts" "$(verdict rtprio)" missing
 good_machine
 chmod 600 "$root/dev/cpu_dma_latency"
 is "latency: for root alone" "$(verdict latency)" missing
+spoil latency missing etc/group 'aebmc:x:65000:'
+without latency missing etc/group
 without latency missing dev
 without can missing lib
 spoil can good proc/net/can/version x

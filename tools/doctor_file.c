@@ -3,12 +3,17 @@
  */
 #include "doctor_file.h"
 #include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
+#include <spawn.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/wait.h>
 #include <unistd.h>
 #include "text.h"
+
+extern char **environ;
 
 static FILE *open_below(const char *root, const char *path)
 {
@@ -45,17 +50,49 @@ int doctor_file_line(const char *root, const char *path, const char *start,
 	return 0;
 }
 
-int doctor_file_holds(const char *root, const char *path, const char *part)
+/* Closes @f; NULL holds nothing. */
+static int holds(FILE *f, const char *part)
 {
-	FILE *f = open_below(root, path);
 	char line[DOCTOR_LINE_MAX];
 	int found = 0;
 
-	while (f && !found && fgets(line, sizeof(line), f)) {
-		found = strstr(line, part) != NULL;
+	while (f && fgets(line, sizeof(line), f)) {
+		found |= strstr(line, part) != NULL;
 	}
 	if (f) {
 		fclose(f);
+	}
+	return found;
+}
+
+int doctor_file_holds(const char *root, const char *path, const char *part)
+{
+	return holds(open_below(root, path), part);
+}
+
+int doctor_file_gz_holds(const char *root, const char *path, const char *part)
+{
+	static char program[] = "zcat";
+	char *const argv[] = {program, NULL};
+	posix_spawn_file_actions_t fa;
+	char full[PATH_MAX];
+	int out[2], found = 0;
+	pid_t pid;
+
+	if (pipe2(out, O_CLOEXEC)) {
+		return 0;
+	}
+	snprintf(full, sizeof(full), "%s%s", root, path);
+	posix_spawn_file_actions_init(&fa);
+	posix_spawn_file_actions_addopen(&fa, STDIN_FILENO, full, O_RDONLY, 0);
+	posix_spawn_file_actions_adddup2(&fa, out[1], STDOUT_FILENO);
+	const int error = posix_spawnp(&pid, program, &fa, NULL, argv, environ);
+
+	posix_spawn_file_actions_destroy(&fa);
+	close(out[1]);
+	found = holds(fdopen(out[0], "r"), part);
+	if (!error) {
+		waitpid(pid, NULL, 0);
 	}
 	return found;
 }

@@ -21,6 +21,9 @@ int doctor_file_line(const char *root, const char *path, const char *start,
 /** doctor_file_holds - 1 if a line holds @part. */
 int doctor_file_holds(const char *root, const char *path, const char *part);
 
+/** doctor_file_gz_holds - the same of a file compressed by gzip, which zcat unpacks; waits for it. */
+int doctor_file_gz_holds(const char *root, const char *path, const char *part);
+
 /** doctor_file_number - a file that is one number. 0, -errno, or -EINVAL. */
 int doctor_file_number(const char *root, const char *path, int64_t *ret);
 

@@ -2,6 +2,7 @@
  * Checks of the machine: kernel, processors, limits, modules, devices. See doctor.def.
  */
 #include "doctor.h"
+#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -24,25 +25,38 @@ enum doctor_verdict doctor_rt_kernel(const struct doctor *d, doctor_text is)
 			  real_time ? "" : "not one: ", line);
 }
 
-/* The kernel's configuration lies beside it on Debian and Ubuntu. */
-enum doctor_verdict doctor_rt_group(const struct doctor *d, doctor_text is)
+#define RT_GROUP        "CONFIG_RT_GROUP_SCHED"
+#define CONFIG_OF_IMAGE "/proc/config.gz"
+
+/* Debian and Ubuntu lay the kernel's configuration beside it; a Jetson's kernel holds it itself. */
+static enum doctor_verdict rt_group_in_config(const struct doctor *d, doctor_text is)
 {
 	char release[DOCTOR_LINE_MAX], path[DOCTOR_LINE_MAX + 32];
+	int on;
 
-	if (doctor_file_there(d->root, "/sys/fs/cgroup/cpu/cpu.rt_runtime_us")) {
-		return doctor_say(is, DOCTOR_MISSING, "on");
+	if (doctor_file_gz_holds(d->root, CONFIG_OF_IMAGE, RT_GROUP)) {
+		on = doctor_file_gz_holds(d->root, CONFIG_OF_IMAGE, RT_GROUP "=y");
+		return doctor_say(is, on ? DOCTOR_MISSING : DOCTOR_GOOD, "%s in %s",
+				  on ? "on" : "off", CONFIG_OF_IMAGE);
 	}
 	if (doctor_file_line(d->root, "/proc/sys/kernel/osrelease", "", release)) {
 		return doctor_say(is, DOCTOR_NONE, "no /proc");
 	}
 	snprintf(path, sizeof(path), "/boot/config-%s", release);
 	if (!doctor_file_there(d->root, path)) {
-		return doctor_say(is, DOCTOR_NONE, "not known: no %.120s", path);
+		return doctor_say(is, DOCTOR_NONE, "not known: no %.120s, no %s", path,
+				  CONFIG_OF_IMAGE);
 	}
-	if (doctor_file_holds(d->root, path, "CONFIG_RT_GROUP_SCHED=y")) {
-		return doctor_say(is, DOCTOR_MISSING, "on in %.120s", path);
-	}
-	return doctor_say(is, DOCTOR_GOOD, "off");
+	on = doctor_file_holds(d->root, path, RT_GROUP "=y");
+	return doctor_say(is, on ? DOCTOR_MISSING : DOCTOR_GOOD, "%s in %.120s", on ? "on" : "off",
+			  path);
+}
+
+enum doctor_verdict doctor_rt_group(const struct doctor *d, doctor_text is)
+{
+	return doctor_file_there(d->root, "/sys/fs/cgroup/cpu/cpu.rt_runtime_us")
+		       ? doctor_say(is, DOCTOR_MISSING, "on")
+		       : rt_group_in_config(d, is);
 }
 
 enum doctor_verdict doctor_throttling(const struct doctor *d, doctor_text is)
@@ -191,16 +205,22 @@ enum doctor_verdict doctor_rtprio(const struct doctor *d, doctor_text is)
 
 enum doctor_verdict doctor_latency(const struct doctor *d, doctor_text is)
 {
-	char path[DOCTOR_LINE_MAX];
+	char path[DOCTOR_LINE_MAX], group[DOCTOR_LINE_MAX];
 	struct stat st;
 	const mode_t both = S_IRGRP | S_IWGRP;
+	unsigned long id = ULONG_MAX;
 
 	snprintf(path, sizeof(path), "%s/dev/cpu_dma_latency", d->root);
 	if (stat(path, &st)) {
 		return doctor_say(is, DOCTOR_MISSING, "not there");
 	}
-	return doctor_say(is, (st.st_mode & both) == both ? DOCTOR_GOOD : DOCTOR_MISSING,
-			  "mode %04o", st.st_mode & 07777);
+	if (!doctor_file_line(d->root, "/etc/group", "aebmc:", group)) {
+		sscanf(group, "aebmc:%*[^:]:%lu", &id);
+	}
+	const int good = st.st_gid == id && (st.st_mode & both) == both;
+
+	return doctor_say(is, good ? DOCTOR_GOOD : DOCTOR_MISSING, "mode %04o, %s group aebmc",
+			  st.st_mode & 07777, st.st_gid == id ? "of" : "not of");
 }
 
 enum doctor_verdict doctor_lttng(const struct doctor *d, doctor_text is)

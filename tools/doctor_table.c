@@ -5,6 +5,11 @@
 #include <stdio.h>
 #include "doctor.h"
 
+/* What mends four of the rows. */
+#define COMMAND_LINE                                                                               \
+	"cp /usr/share/aebmc/rt-config/60-aebmc.cfg /etc/default/grub.d/ && update-grub (Jetson, " \
+	"untested: its words to APPEND in /boot/extlinux/extlinux.conf), then reboot"
+
 #define BUS(name, should, mend)
 #define MACHINE(name, should, mend) {#name, should, mend},
 const struct doctor_row doctor_machine_row[DOCTOR_MACHINE_ROWS] = {

@@ -67,3 +67,19 @@ mark_is_recorded() {
 	good recorder.after=1 && rm -f /var/lib/aebmc/test/* || return 1
 	ask mark && within 5 sh -c 'ls /var/lib/aebmc/test/event-*-mark.log' && requests_reproduce
 }
+
+# loop ROW: a car drives ROW of the regulation on vcan0, in real time, and brakes as this daemon asks; its runs' JSON
+loop() {
+	chrt -f 40 aebmc scenario fmvss127 --config $CONF --preset none --live vcan0 --only "$1" --json >/tmp/loop.json
+	grep -oE '"row":"[^"]*"|"contact":(true|false)|"full_s":[^,]*' /tmp/loop.json
+}
+closed_loop_over_the_bus_avoids_the_crash() {
+	stop
+	start bus.transmit=armed mc.samples=1024 brake.accel=-9.5 vehicle.bound=friction road.mu=1.02 || return 1
+	within 5 is 'state == INIT'
+	# Not armed: it sees all and asks for nothing, and the car hits.
+	loop stopped-50 | grep '"contact":true' && is 'counters.full >= 1' || return 1
+	ask arm && loop stopped-50 | grep '"contact":false' && is 'armed == true' || return 1
+	loop brake-50-12m-0.5g-step | tee /tmp/loops
+	[ "$(grep -c '"contact":false' /tmp/loops)" = 2 ] && ! grep '"contact":true' /tmp/loops
+}

@@ -206,14 +206,19 @@ static int take_snapshot(struct live *l)
 	return 1;
 }
 
-/* A sign of life counts only if the real-time loop moved, and our frames came back from a bus that is up. */
+/* A bus that is known to carry nothing: no other node is awake to acknowledge, say, and our frames stay in the queue. To
+ * start again would not mend that. */
+#define BUS_DEAD \
+	(FAULT_BIT(BUS_DOWN) | FAULT_BIT(BUS_OFF) | FAULT_BIT(BUS_PASSIVE) | FAULT_BIT(TX_REFUSED))
+
+/* A sign of life counts only if the real-time loop moved, and our frames came back if the bus carries any. */
 static int is_alive(const struct live *l)
 {
 	const int listening = l->seen.transmit == AEB_STATUS_TRANSMIT_NONE;
-	const int down = (l->seen.now.fault & (FAULT_BIT(BUS_DOWN) | FAULT_BIT(BUS_OFF))) != 0;
+	const int dead = (l->seen.now.fault & BUS_DEAD) != 0;
 
 	return l->seen.steps != l->fed_steps &&
-	       (listening || down || l->seen.bus.confirmed != l->fed_confirmed);
+	       (listening || dead || l->seen.bus.confirmed != l->fed_confirmed);
 }
 
 static void feed_watchdog(struct live *l, int64_t now_ns)
@@ -243,21 +248,31 @@ static void look_after_links(struct live *l)
 
 /* ---- events: a thread of its own, because a disk may take longer than the watchdog waits ---------------- */
 
-static void write_event(struct live *l, int finish)
+static int write_event(struct live *l, int finish)
 {
 	const int64_t now_ns = clock_now_ns();
 	struct timespec real;
-	char path[RECORDER_PATH_MAX], text[RECORDER_PATH_MAX + 64];
-	int ret;
+	char path[RECORDER_PATH_MAX], words[256], text[RECORDER_PATH_MAX + 320];
+	int ret, missing;
 
 	clock_gettime(CLOCK_REALTIME, &real);
 	ret = recorder_service(l->recorder, now_ns,
 			       real.tv_sec * CLOCK_NS_PER_S + real.tv_nsec - now_ns, finish, path);
-	if (ret) {
-		snprintf(text, sizeof(text), ret > 0 ? "%s" : "an event could not be written: %s",
-			 ret > 0 ? path : strerror(-ret));
-		service_log(ret > 0 ? SERVICE_NOTICE : SERVICE_ERROR, "EVENT", text);
+	if (!ret) {
+		return 0;
 	}
+	missing = recorder_words(l->recorder, words, sizeof(words));
+	if (ret > 0) {
+		snprintf(text, sizeof(text), "%s: %s", path, words);
+	} else {
+		snprintf(text, sizeof(text), "an event could not be written (%s): %s", words,
+			 strerror(-ret));
+	}
+	service_log(ret < 0   ? SERVICE_ERROR
+		    : missing ? SERVICE_WARNING
+			      : SERVICE_NOTICE,
+		    "EVENT", text);
+	return ret;
 }
 
 void *housekeeping_events(void *arg)
@@ -268,7 +283,8 @@ void *housekeeping_events(void *arg)
 
 	do {
 		finish = __atomic_load_n(&l->finish, __ATOMIC_ACQUIRE);
-		write_event(l, finish);
+		while (write_event(l, finish)) {
+		}
 		nanosleep(&pause, NULL);
 	} while (!finish);
 	return NULL;

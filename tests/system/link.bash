@@ -109,3 +109,25 @@ controller_down_is_seen() {
 wrong_bit_rate_is_seen() {
 	ip link set can0 down && ip link set can0 up type can bitrate 250000 && within 1 is 'links.0.bitrate == 250000'
 }
+
+# On vcan2 there are our frames alone, and none of them leaves: as in a parked car, where nobody acknowledges.
+bus_that_takes_nothing_is_no_hang() {
+	local p
+	stop
+	tc qdisc add dev vcan2 root netem delay 200s limit 4
+	start "${TWO[@]}" && p=$(pid) && pause 5 && [ "$(pid)" = "$p" ] && has_reason TX_REFUSED
+	local ok=$?
+	tc qdisc del dev vcan2 root
+	[ $ok = 0 ] && good "${TWO[@]}" && [ "$(pid)" = "$p" ]
+}
+echo_that_stays_away_restarts() {
+	local p since ok
+	good "${TWO[@]}" && p=$(pid) || return 1
+	since=$(now)
+	tc qdisc add dev vcan2 root netem loss 100%
+	pause 0.5
+	lacks_reason TX_REFUSED && within 3 another_pid "$p" && said "$since" 'Watchdog timeout'
+	ok=$?
+	tc qdisc del dev vcan2 root
+	[ $ok = 0 ] && armed
+}

@@ -265,17 +265,11 @@ static int open_regular(const char *path, struct stat *st)
 static ssize_t read_all(int fd, char *text, size_t size)
 {
 	size_t n = 0;
-	while (n < size) {
-		ssize_t got = read(fd, text + n, size - n);
-		if (got < 0) {
-			return -errno;
-		}
-		if (got == 0) {
-			break;
-		}
+	ssize_t got;
+	while ((got = read(fd, text + n, size - n)) > 0) {
 		n += (size_t)got;
 	}
-	return (ssize_t)n;
+	return got < 0 ? -errno : (ssize_t)n;
 }
 
 static int fail_file(const char *path, int rc, char *err, size_t err_size)

@@ -20,7 +20,7 @@
 struct bus_log {
 	struct bus bus;
 	struct bus_stats stats;
-	int in, out;     /* -1: none */
+	int in, out;     /* ours to close; -1: none */
 	int write_error; /* the first one */
 	int n_ifaces;
 	char iface[BUS_IFACES_MAX][BUS_NAME_MAX];
@@ -60,15 +60,14 @@ static int refill(struct bus_log *l)
 static char *take_line(struct bus_log *l, int *len)
 {
 	char *line = l->buf + l->head;
-	char *nl = memchr(line, '\n', (size_t)(l->fill - l->head));
+	const char *nl = memchr(line, '\n', (size_t)(l->fill - l->head));
 
 	if (!nl && (!l->at_end || l->head == l->fill)) {
 		return NULL;
 	}
-	nl = nl ? nl : l->buf + l->fill;
-	*nl = '\0';
-	*len = (int)(nl - line);
-	l->head = (int)(nl - l->buf) + 1 < l->fill ? (int)(nl - l->buf) + 1 : l->fill;
+	*len = (int)((nl ? nl : l->buf + l->fill) - line);
+	line[*len] = '\0';
+	l->head += *len + (nl != NULL);
 	return line;
 }
 
@@ -87,7 +86,7 @@ static int next_line(struct bus_log *l, char **line, int *len)
 		if (l->at_end) {
 			return -ENODATA;
 		}
-		if (l->fill - l->head == LOG_LINE_MAX - 1) {
+		if (l->head == 0 && l->fill == LOG_LINE_MAX - 1) {
 			l->stats.malformed += !l->skipping;
 			l->skipping = 1;
 			l->head = l->fill;
@@ -117,14 +116,15 @@ static int64_t virtual_time(struct bus_log *l, int64_t stamp_ns)
 	return t;
 }
 
+/* -1: not among ours. */
 static int find_iface(const struct bus_log *l, const char *name)
 {
-	for (int i = 0; i < l->n_ifaces; i++) {
-		if (strcmp(l->iface[i], name) == 0) {
-			return i;
-		}
-	}
-	return -1;
+	int i = l->n_ifaces;
+
+	do {
+		i--;
+	} while (i >= 0 && strcmp(l->iface[i], name) != 0);
+	return i;
 }
 
 /* A line's frame to l->next if it is one for us. */
@@ -201,10 +201,11 @@ static int write_line(struct bus_log *l, const char *line, int len)
 	while (l->out >= 0 && done < len) {
 		ssize_t n = write(l->out, line + done, (size_t)(len - done));
 
-		if (n < 0 && errno != EINTR) {
+		if (n >= 0) {
+			done += (int)n;
+		} else if (errno != EINTR) {
 			return -errno;
 		}
-		done += n > 0 ? (int)n : 0;
 	}
 	return 0;
 }
@@ -230,7 +231,7 @@ int bus_log_finish(struct bus *b)
 {
 	struct bus_log *l = log_of(b);
 
-	if (l->out > STDERR_FILENO && close(l->out) != 0 && !l->write_error) {
+	if (l->out >= 0 && close(l->out) != 0 && !l->write_error) {
 		l->write_error = -errno;
 	}
 	l->out = -1;
@@ -249,9 +250,7 @@ static void log_close(struct bus *b)
 	if (!l) {
 		return;
 	}
-	if (l->in > STDERR_FILENO) {
-		close(l->in);
-	}
+	close(l->in);
 	bus_log_finish(b);
 	free(l);
 }
@@ -281,7 +280,7 @@ static int open_in(struct bus_log *l, const char *path, char *err, int err_len)
 {
 	struct stat st;
 
-	l->in = strcmp(path, "-") == 0 ? STDIN_FILENO : open(path, O_RDONLY | O_CLOEXEC);
+	l->in = strcmp(path, "-") == 0 ? dup(STDIN_FILENO) : open(path, O_RDONLY | O_CLOEXEC);
 	if (l->in < 0 || fstat(l->in, &st) != 0) {
 		return refuse(err, err_len, -errno,
 			      "%s: cannot read: %s; give a log written by candump -L, or -", path,
@@ -308,8 +307,9 @@ static int open_out(struct bus_log *l, const char *path, char *err, int err_len)
 	if (!path) {
 		return 0;
 	}
-	l->out = strcmp(path, "-") == 0 ? STDOUT_FILENO
-					: open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
+	const int is_stdout = strcmp(path, "-") == 0;
+
+	l->out = is_stdout ? dup(STDOUT_FILENO) : open(path, O_WRONLY | O_CREAT | O_CLOEXEC, 0666);
 	if (l->out < 0) {
 		return refuse(err, err_len, -errno, "%s: cannot write: %s", path, strerror(errno));
 	}
@@ -317,7 +317,7 @@ static int open_out(struct bus_log *l, const char *path, char *err, int err_len)
 		return refuse(err, err_len, -EINVAL,
 			      "%s: is the input as well; write to another file", path);
 	}
-	if (l->out != STDOUT_FILENO && ftruncate(l->out, 0) != 0 && errno != EINVAL) {
+	if (!is_stdout && ftruncate(l->out, 0) != 0 && errno != EINVAL) {
 		return refuse(err, err_len, -errno, "%s: cannot empty: %s", path, strerror(errno));
 	}
 	return 0;

@@ -13,9 +13,9 @@
 #include <unistd.h>
 #include <cmocka.h>
 
-enum call { NONE, CALLOC, FSTAT, FTRUNCATE, WRITE, CLOSE };
+enum call { NONE, CALLOC, FSTAT, FTRUNCATE, READ, WRITE, CLOSE };
 
-/* The @after'th call of @which fails with @error, once; a write of error 0 takes a single byte. */
+/* The @after'th call of @which fails with @error, once; -n: a read or write that takes only n bytes. */
 static struct {
 	enum call which;
 	int after, error;
@@ -46,10 +46,15 @@ static int odd_ftruncate(int fd, off_t size)
 	return refused(FTRUNCATE) ? -1 : ftruncate(fd, size);
 }
 
+static ssize_t odd_read(int fd, void *data, size_t size)
+{
+	return read(fd, data, refused(READ) ? (size_t)-deny.error : size);
+}
+
 static ssize_t odd_write(int fd, const void *data, size_t size)
 {
 	if (refused(WRITE)) {
-		return deny.error ? -1 : write(fd, data, 1);
+		return deny.error > 0 ? -1 : write(fd, data, (size_t)-deny.error);
 	}
 	return write(fd, data, size);
 }
@@ -64,12 +69,14 @@ static int odd_close(int fd)
 #define calloc    odd_calloc
 #define fstat     odd_fstat
 #define ftruncate odd_ftruncate
+#define read      odd_read
 #define write     odd_write
 #define close(fd) odd_close(fd)
 #include "../daemon/bus_log.c"
 #undef calloc
 #undef fstat
 #undef ftruncate
+#undef read
 #undef write
 #undef close
 
@@ -157,9 +164,33 @@ static void device_is_read_like_a_log(void **state)
 	b->ops->close(b);
 }
 
+/* A pipe may give a single byte at a time, and that is not yet the end. */
+static void reads_may_be_short(void **state)
+{
+	static const char text[] = "(1.000000) can0 123#0102\n";
+	struct bus_frame f;
+	int64_t now_ns;
+	char err[256];
+	struct bus *b;
+	FILE *log = fopen(in, "w");
+
+	(void)state;
+	assert_non_null(log);
+	fputs(text, log);
+	fclose(log);
+	assert_int_equal(open_log(&b, err), 0);
+	deny.which = READ;
+	deny.after = 0;
+	deny.error = -1;
+	assert_int_equal(b->ops->recv(b, &f, 1, INT64_MAX, &now_ns), 1);
+	assert_int_equal(deny.which, NONE);
+	assert_int_equal(f.id, 0x123);
+	b->ops->close(b);
+}
+
 static void writes_go_on_after_an_interruption_and_in_pieces(void **state)
 {
-	static const int error[] = {EINTR, 0};
+	static const int error[] = {EINTR, 0, -1};
 	const struct bus_frame f = {.id = 0x123, .len = 2, .data = {1, 2}, .t_ns = 1000000000};
 	char err[256], text[128] = "";
 	struct bus *b;
@@ -178,8 +209,9 @@ static void writes_go_on_after_an_interruption_and_in_pieces(void **state)
 
 		assert_non_null(written);
 		assert_non_null(fgets(text, sizeof(text), written));
-		fclose(written);
 		assert_string_equal(text, "(0000000001.000000) can0 123#0102\n");
+		assert_int_equal(fgetc(written), EOF);
+		fclose(written);
 	}
 }
 
@@ -215,6 +247,7 @@ int main(void)
 		cmocka_unit_test(opening_fails_with_what_refused),
 		cmocka_unit_test(doubts_do_not_stop_the_opening),
 		cmocka_unit_test(device_is_read_like_a_log),
+		cmocka_unit_test(reads_may_be_short),
 		cmocka_unit_test(writes_go_on_after_an_interruption_and_in_pieces),
 		cmocka_unit_test(first_error_of_writing_is_kept),
 	};

@@ -2,6 +2,7 @@
  * Bad and hostile DBC files are refused with one line that names file, line and cause.
  */
 #include <errno.h>
+#include <fcntl.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -328,8 +329,10 @@ static void paths_that_are_no_files(void **state)
 	assert_int_equal(ftruncate(fileno(f), DBC_FILE_MAX + 1), 0);
 	snprintf(want, sizeof(want), "%s: larger than 16 MiB: is this a DBC file?", path);
 	load_refused(path, -EFBIG, want);
-	assert_int_equal(ftruncate(fileno(f), 5), 0);
 	snprintf(want, sizeof(want), "%s:1: NUL character: is this a DBC file?", path);
+	assert_int_equal(ftruncate(fileno(f), DBC_FILE_MAX), 0);
+	load_refused(path, -EINVAL, want); /* the largest that is read */
+	assert_int_equal(ftruncate(fileno(f), 5), 0);
 	load_refused(path, -EINVAL, want);
 	assert_int_equal(ftruncate(fileno(f), 0), 0);
 	snprintf(want, sizeof(want), "%s: no message (BO_) in it: is this a DBC file?", path);
@@ -337,6 +340,28 @@ static void paths_that_are_no_files(void **state)
 	fclose(f);
 	unlink(path);
 	rmdir(dir);
+}
+
+/* Without a standard input the file gets its number, and gives it back. */
+static void file_may_be_descriptor_0(void **state)
+{
+	(void)state;
+	char err[256] = "";
+	struct dbc *dbc = NULL;
+	int saved = dup(STDIN_FILENO);
+	close(STDIN_FILENO);
+	load_refused("/dev/null", -EINVAL, "/dev/null: not a regular file");
+	int kept_bad =
+		fcntl(STDIN_FILENO, F_GETFD); /* errno is now EBADF, which is not the file's */
+	int rc = dbc_load("can-dbc/aebmc.dbc", &dbc, err, sizeof(err));
+	int kept_good = fcntl(STDIN_FILENO, F_GETFD);
+	dup2(saved, STDIN_FILENO);
+	close(saved);
+	assert_int_equal(kept_bad, -1);
+	assert_string_equal(err, "");
+	assert_int_equal(rc, 0);
+	assert_int_equal(kept_good, -1);
+	dbc_free(dbc);
 }
 
 int main(void)
@@ -349,6 +374,7 @@ int main(void)
 		cmocka_unit_test(counts_are_bounded),
 		cmocka_unit_test(short_error_buffers),
 		cmocka_unit_test(paths_that_are_no_files),
+		cmocka_unit_test(file_may_be_descriptor_0),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

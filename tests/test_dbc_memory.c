@@ -19,6 +19,7 @@ static int one_fails;       /* only the first that does not; otherwise all after
 static int read_mode;       /* 0: as it is; 1: one byte at a time; 2: ends early; 3: fails */
 
 static int stat_fails;
+static off_t size_then; /* of a file that grew since; 0: as it is */
 
 static int odd_fstat(int fd, struct stat *st)
 {
@@ -26,7 +27,9 @@ static int odd_fstat(int fd, struct stat *st)
 		errno = EIO;
 		return -1;
 	}
-	return fstat(fd, st);
+	int rc = fstat(fd, st);
+	st->st_size = size_then ? size_then : st->st_size;
+	return rc;
 }
 
 static int refuse_call(void)
@@ -156,12 +159,35 @@ static void file_may_not_say_its_size(void **state)
 	stat_fails = 0;
 }
 
+static void only_what_was_there_is_read(void **state)
+{
+	char path[] = "/tmp/test_dbc_XXXXXX", err[256] = "";
+	static const char first[] = "BO_ 1 ONE: 8 X\n", later[] = "BO_ 2 TWO: 8 X\n";
+	struct dbc *dbc = NULL;
+	int fd = mkstemp(path);
+
+	(void)state;
+	assert_int_equal(write(fd, first, sizeof(first) - 1), sizeof(first) - 1);
+	assert_int_equal(write(fd, later, sizeof(later) - 1), sizeof(later) - 1);
+	close(fd);
+	read_mode = 1;
+	calls_left = UINT_MAX;
+	size_then = sizeof(first) - 1;
+	int rc = dbc_load(path, &dbc, err, sizeof(err));
+	size_then = 0;
+	unlink(path);
+	assert_int_equal(rc, 0);
+	assert_int_equal(dbc->n_messages, 1);
+	dbc_free(dbc);
+}
+
 int main(void)
 {
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(every_allocation_may_fail),
 		cmocka_unit_test(reads_may_be_odd),
 		cmocka_unit_test(file_may_not_say_its_size),
+		cmocka_unit_test(only_what_was_there_is_read),
 	};
 	return cmocka_run_group_tests(tests, NULL, NULL);
 }

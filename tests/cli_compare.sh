@@ -40,6 +40,13 @@ like "and one for all" "$tmp/words" '^ +[0-9]+ +[0-9]+ +[0-9]+ +[0-9]+  \|.* 93\
 like "a picture is named" "$tmp/words" "^  picture $tmp/light\.log\.svg$"
 ok "it is there, and XML" python3 -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1])' "$tmp/light.log.svg"
 exits "none of a log without a difference" 1 test -e "$tmp/follow.log.svg"
+awk '{ t = substr($1, 2) + 0; if (!from) from = t; if (t - from < 4 || t - from >= 7) print }' "$tmp/light.log" >"$tmp/hole.log"
+ok "a log with a hole" "$AEBMC" replay $both $few --pictures "$tmp" "$tmp/hole.log"
+for log in light.1 hole.2; do
+	is "lines of ${log%.*} in so many pieces: ${log#*.}" "$(python3 -c 'import sys, xml.dom.minidom as m
+panel = m.parse(sys.argv[1]).documentElement.getElementsByTagName("svg")[0]
+print(*[p.getAttribute("d").count("M") for p in panel.getElementsByTagName("path")])' "$tmp/${log%.*}.log.svg")" "${log#*.} ${log#*.}"
+done
 ok "the other way round" "$AEBMC" replay --compare "$b" $a $few "$tmp/light.log"
 like "it is gained" "$tmp/out" '^  gained +1[0-9]\.[0-9]{2} s  warning'
 

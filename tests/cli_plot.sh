@@ -4,7 +4,8 @@
 . "$(dirname "$0")/tap.sh"
 
 # svg NAME FILE EXPRESSION: the file is an SVG picture of which the Python expression holds. texts: its words; paths: the
-# data of its marks by class; spans: its lanes; dots and points count those of a path.
+# data of its marks by class; spans: its lanes; pieces: from and to which px of its panel each unbroken mark reaches; dots
+# and points count those of a path.
 svg() {
 	python3 - "$2" "$3" >"$tmp/py" 2>&1 <<-'EOF'
 		import re, sys, xml.etree.ElementTree as xml
@@ -15,6 +16,9 @@ svg() {
 		for p in root.iter(ns + "path"):
 		    paths.setdefault(p.get("class"), []).append(p.get("d"))
 		spans = [(r.find(ns + "title").text, float(r.get("width"))) for r in root.iter(ns + "rect") if r.find(ns + "title") is not None]
+		pieces = [(min(x), max(x)) for panel in root.iter(ns + "svg") if panel is not root for p in panel.iter(ns + "path")
+		          for d in p.get("d").split("M")[1:] for x in [[float(v) for v in re.findall("(?:^|[LH])([0-9.-]+)", d)]]]
+		pieces += [(x, x + float(r.get("width"))) for r in root.iter(ns + "rect") if r.find(ns + "title") is not None for x in [float(r.get("x"))]]
 		dots = lambda d: d.count("h0")
 		points = lambda d: len(re.findall("[ML]", d))
 		raw = open(sys.argv[1], encoding="utf-8").read()
@@ -79,6 +83,19 @@ svg "timeline: stages and states in words" "$out" \
 svg "timeline: both lanes are full" "$out" "abs(sum(s[1] for s in spans) - 2 * (900 - 64 - 18)) < 3"
 ok "the end of the drive" "$AEBMC" plot timeline "$tmp/replay.csv" --from 20 --to 22.5 --title "<a> & \"b\"" --out "$out"
 svg "timeline: from, to and title as asked" "$out" "texts[0] == '<a> & \"b\"' and '22.4' in texts and '23' not in texts and '18' not in texts"
+
+# eight to thirteen seconds cut out of the log: nothing is drawn there, in any panel or lane
+awk '{ t = substr($1, 2) + 0; if (!from) from = t; if (t - from < 8 || t - from >= 13) print }' "$tmp/brake.log" >"$tmp/hole.log"
+# shellcheck disable=SC2086 # $car is words
+ok "a log with a hole" "$AEBMC" replay --config $car --csv "$tmp/hole.csv" "$tmp/hole.log"
+ok "its timeline" "$AEBMC" plot "$tmp/hole.csv" --out "$out"
+# crossing: how many marks there are between 8.5 and 13 s
+crossing="(lambda px: sum(a < px(13) and b > px(8.5) for a, b in pieces))(lambda t: (t - ends[0]) / (ends[1] - ends[0]) * 818)"
+ends=$(awk -F, 'NR == 2 { from = $1 } { to = $1 } END { print "[" from ", " to "]" }' "$tmp/hole.csv")
+svg "nothing is drawn in it, and ARMED on either side" "$out" \
+	"(lambda ends: $crossing)($ends) == 0 and len(pieces) > 20 and [s[0] for s in spans].count('ARMED') == 2"
+"$AEBMC" plot "$tmp/replay.csv" --out "$out"
+svg "where without it every line and lane goes on" "$out" "(lambda ends: $crossing)($ends) >= 10"
 
 # figures of a GPU, as bench and budget write them
 timing='{"p50_ns": 1e6, "p99_ns": 2e6}'

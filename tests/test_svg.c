@@ -174,6 +174,16 @@ static void test_cover(void **state)
 	assert_true(min == 3 && max == 7);
 }
 
+static void test_gap(void **state)
+{
+	const double x[] = {0, 1, 2, 3.5, 10, 11, 12.5, 30};
+
+	(void)state;
+	assert_true(fabs(svg_gap(x, 8) - 6) < 1e-9); /* steps 1 1 1.5 6.5 1 1.5 17.5 */
+	assert_true(fabs(svg_gap(x, 2) - 4) < 1e-9);
+	assert_true(svg_gap(x, 1) == 0 && svg_gap(NULL, 0) == 0);
+}
+
 static void test_places(void **state)
 {
 	struct svg s = {.x = {.min = 0, .max = 50},
@@ -238,6 +248,30 @@ static void test_line(void **state)
 	assert_string_equal(d.text, "<path class=\"c1 l\" d=\"M0.0 200.0H100.0V100.0\"/>\n<path "
 				    "class=\"c1 l t\" d=\"\"/>\n");
 	free(d.text);
+}
+
+/* What is missing is not made up. */
+static void test_hole(void **state)
+{
+	const double x[] = {0, 10, 10.01, 30, 40}, y[] = {0, 10, 10, 10, 20},
+		     lo[] = {0, 0, 0, 0, 0};
+	struct drawn d;
+
+	(void)state;
+	begin(&d, SVG_LINEAR);
+	d.s.x.gap = 15;
+	svg_line(&d.s, SVG_RED, SVG_STEP, x, y, 5);
+	svg_band(&d.s, SVG_RED, x, lo, y, 5);
+	end(&d);
+	assert_string_equal(d.text, "<path class=\"c1 l\" d=\"M0.0 200.0H100.0V100.0H100.1V100.0"
+				    "M300.0 100.0H400.0V0.0\"/>\n<path class=\"c1 b\" d=\""
+				    "M0.0 200.0L100.0 100.0L100.1 200.0L0.0 200.0Z"
+				    "M300.0 100.0L400.0 0.0L400.0 200.0L300.0 200.0Z\"/>\n");
+	free(d.text);
+	d.s.x.gap = 20;
+	assert_true(svg_goes_on(&d.s, 10, 30) && !svg_goes_on(&d.s, 10, 30.1));
+	d.s.x.gap = 0;
+	assert_true(svg_goes_on(&d.s, 10, 1e9));
 }
 
 #define MANY 100000
@@ -432,6 +466,7 @@ int main(void)
 		cmocka_unit_test(test_round_out),     cmocka_unit_test(test_cover),
 		cmocka_unit_test(test_sane),          cmocka_unit_test(test_places),
 		cmocka_unit_test(test_escape),        cmocka_unit_test(test_line),
+		cmocka_unit_test(test_hole),          cmocka_unit_test(test_gap),
 		cmocka_unit_test(test_many_points),   cmocka_unit_test(test_band),
 		cmocka_unit_test(test_dots_and_bars), cmocka_unit_test(test_span),
 		cmocka_unit_test(test_words),         cmocka_unit_test(test_page),

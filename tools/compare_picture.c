@@ -43,7 +43,7 @@ static int unfold(const struct compare_run *r, struct series *s)
 static void draw_distance(struct svg *s, const struct svg_axis *time, const struct series t[SIDES])
 {
 	struct svg_panel p = {.title = "Distance to the lead",
-			      .x = {.min = 0, .max = time->max},
+			      .x = {.max = time->max, .gap = time->gap},
 			      .y = {.label = "[m]"}};
 
 	svg_cover(t[SIDE_A].headway_m, t[SIDE_A].n, &p.y.min, &p.y.max);
@@ -61,7 +61,7 @@ static void draw_driver(struct svg *s, const struct svg_axis *time, const struct
 {
 	const struct svg_panel p = {
 		.title = "Risk if the driver brakes after reacting: the warning",
-		.x = {.min = 0, .max = time->max},
+		.x = {.max = time->max, .gap = time->gap},
 		.y = {.label = "[%]", .scale = SVG_LOG, .unit = 0.01, .min = 0.0001, .max = 1}};
 
 	svg_panel(s, &p);
@@ -77,7 +77,7 @@ static void draw_risk(struct svg *s, const struct svg_axis *time, const struct s
 					     {SVG_RED, SVG_KEY_DASHED, "B"}};
 	const struct svg_panel p = {
 		.title = "Risk of waiting one period, with its 95 % interval: the request",
-		.x = {.min = 0, .max = time->max},
+		.x = {.max = time->max, .gap = time->gap},
 		.y = {.label = "[%]", .scale = SVG_LOG, .unit = 0.01, .min = 0.0001, .max = 1},
 		.key = key,
 		.keys = SIDES};
@@ -122,7 +122,10 @@ static void draw(FILE *out, const struct replay_args *a, const struct compare_lo
 				      .shares = 3.6,
 				      .title = l->path,
 				      .subtitle = subtitle};
-	const struct svg_axis time = {.label = "time [s]", .max = l->run[SIDE_A].head.log_s};
+	const struct svg_axis time = {.label = "time [s]",
+				      .max = l->run[SIDE_A].head.log_s,
+				      .gap = fmax(svg_gap(t[SIDE_A].time_s, t[SIDE_A].n),
+						  svg_gap(t[SIDE_B].time_s, t[SIDE_B].n))};
 
 	snprintf(subtitle, sizeof(subtitle), "A %.200s, B %.200s", a->compare[SIDE_A],
 		 a->compare[SIDE_B]);

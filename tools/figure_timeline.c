@@ -63,7 +63,10 @@ static void draw_rises(struct svg *s, const struct figure_timeline *t)
 
 static void open_panel(struct svg *s, const struct figure_timeline *t, struct svg_panel *p)
 {
-	p->x = (struct svg_axis){.label = p->x.label, .min = t->from_s, .max = t->to_s};
+	p->x = (struct svg_axis){.label = p->x.label,
+				 .min = t->from_s,
+				 .max = t->to_s,
+				 .gap = svg_gap(t->time_s, t->n)};
 	svg_panel(s, p);
 	if (p->y.scale != SVG_NAMES) {
 		draw_rises(s, t);
@@ -138,15 +141,21 @@ static void draw_request(struct svg *s, const struct figure_timeline *t)
 	svg_line(s, SVG_PURPLE, SVG_STEP, t->time_s, t->accel_mps2, t->n);
 }
 
+/* Whether @i follows on the evaluation before it, none missing between them. */
+static int follows(const struct svg *s, const struct figure_timeline *t, size_t i)
+{
+	return i < t->n && svg_goes_on(s, t->time_s[i - 1], t->time_s[i]);
+}
+
 static void draw_lane(struct svg *s, const struct figure_timeline *t, int lane)
 {
 	const char *const *word = lane == LANE_STAGE ? t->level : t->state;
 
 	for (size_t i = 0, end; i < t->n; i = end) {
-		for (end = i + 1; end < t->n && !strcmp(word[end], word[i]);) {
+		for (end = i + 1; follows(s, t, end) && !strcmp(word[end], word[i]);) {
 			end++;
 		}
-		const double until_s = end < t->n ? t->time_s[end] : t->time_s[t->n - 1];
+		const double until_s = t->time_s[follows(s, t, end) ? end : end - 1];
 		const enum svg_colour c =
 			lane == LANE_STAGE ? level_colour[place(word[i], level_name, LEVELS)]
 					   : state_colour[place(word[i], state_name, STATES)];

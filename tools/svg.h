@@ -31,6 +31,7 @@ struct svg_axis {
 	double min, max;
 	enum svg_scale scale;
 	double unit; /* numbers are written as multiples of it, 0: 1; 0.01 with percent in the label */
+	double gap; /* on x: marks of several points end before a longer step; 0: they cross all */
 	const char *const *name;
 	int n;
 };
@@ -91,6 +92,12 @@ double svg_at_y(const struct svg *s, double y);
 
 /** svg_cover - widen *@min..*@max so that it holds every finite one of @v[@n]; start from INFINITY, -INFINITY. */
 void svg_cover(const double *v, size_t n, double *min, double *max);
+
+/** svg_gap - the step of @x[@n] (ascending) from which on there is a hole: four times the median. For svg_axis.gap. */
+double svg_gap(const double *x, size_t n);
+
+/** svg_goes_on - whether the current panel's lines cross the step between two neighbouring points. */
+int svg_goes_on(const struct svg *s, double from_x, double to_x);
 
 /** svg_round_out - the axis's min and max outwards to its next tick; an empty range gets one. */
 void svg_round_out(struct svg_axis *a);

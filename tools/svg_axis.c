@@ -61,6 +61,23 @@ void svg_cover(const double *v, size_t n, double *min, double *max)
 	}
 }
 
+/* Halving needs no room, as sorting would. */
+double svg_gap(const double *x, size_t n)
+{
+	double lo = 0, hi = n ? x[n - 1] - x[0] : 0;
+
+	for (int k = 0; k < 48; k++) {
+		const double mid = (lo + hi) / 2;
+		size_t longer = 0;
+
+		for (size_t i = 1; i < n; i++) {
+			longer += x[i] - x[i - 1] > mid;
+		}
+		*(2 * longer >= n ? &lo : &hi) = mid;
+	}
+	return 4 * hi;
+}
+
 void svg_round_out(struct svg_axis *a)
 {
 	if (a->scale == SVG_LOG && a->min <= 0 && a->max > 0) {

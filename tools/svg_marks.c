@@ -30,6 +30,11 @@ static void pen_to(struct pen *p, double x_px, double y_px)
 	p->down = 1;
 }
 
+int svg_goes_on(const struct svg *s, double from_x, double to_x)
+{
+	return s->x.gap <= 0 || to_x - from_x <= s->x.gap;
+}
+
 static double column(const struct svg *s, double x)
 {
 	return floor(svg_at_x(s, x) / COLUMN_PX);
@@ -61,8 +66,10 @@ void svg_line(struct svg *s, enum svg_colour c, enum svg_style style, const doub
 	for (size_t i = 0; i < n;) {
 		const size_t begin = i;
 
+		pen.down = pen.down && svg_goes_on(s, x[i - 1], x[i]);
 		while (i < n && isfinite(x[i]) && isfinite(y[i]) &&
-		       column(s, x[i]) == column(s, x[begin])) {
+		       (i == begin || (column(s, x[i]) == column(s, x[begin]) &&
+				       svg_goes_on(s, x[i - 1], x[i])))) {
 			i++;
 		}
 		if (i > begin) {
@@ -100,7 +107,8 @@ void svg_band(struct svg *s, enum svg_colour c, const double *x, const double *l
 		const size_t begin = i;
 		struct pen pen = {s->out, SVG_SOLID, 0};
 
-		while (i < n && isfinite(x[i]) && isfinite(lo[i]) && isfinite(hi[i])) {
+		while (i < n && isfinite(x[i]) && isfinite(lo[i]) && isfinite(hi[i]) &&
+		       (i == begin || svg_goes_on(s, x[i - 1], x[i]))) {
 			i++;
 		}
 		if (i == begin) {

@@ -29,7 +29,10 @@ int bench_time_run(const struct mc_ops *ops, struct mc_backend *b, const struct 
 int bench_time_sizes(const struct mc_ops *ops, struct mc_backend *b, uint32_t reps,
 		     struct bench_timing ret[BENCH_SIZES_CPU]);
 
-/** bench_time_scalar - one core, one sample after the other: the f64 reference, nanoseconds a sample of @n. 0 or -errno. */
+/**
+ * bench_time_scalar - one core, one sample after the other: the f64 reference, nanoseconds a sample
+ * The least of some twenty parts of @n samples: other work on the machine would make every ratio to it larger. 0 or -errno.
+ */
 int bench_time_scalar(struct mc_backend *cpu, uint32_t n, struct model_out *out, double *ret);
 
 #endif

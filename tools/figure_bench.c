@@ -197,10 +197,11 @@ void figure_speedup(FILE *out, const void *bench)
 					     {31.20, "GTX 1650 29.8, AGX Orin 31.2", 0},
 					     {54.57, "RTX 5070 54.6", 0}};
 	const struct figure_bench *b = bench;
-	struct picture f = {.text = &b->text,
-			    .y_label = "times faster than the f64 reference on one core",
-			    .level = level,
-			    .levels = b->prints ? 4 : 0};
+	struct picture f = {
+		.text = &b->text,
+		.y_label = "times faster than the f64 reference on one core of its own machine",
+		.level = level,
+		.levels = b->prints ? 4 : 0};
 
 	add_lines(&f, b, SPEEDUP);
 	draw_picture(out, &f);

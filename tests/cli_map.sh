@@ -141,6 +141,7 @@ if "$python" -c 'import cantools' 2>/dev/null; then
 	like "interfaces are the log's" "$tmp/car.conf" '^interfaces = can3 can7$'
 	like "periods too" "$tmp/car.conf" '^period = 25 +# ms, as in the log$'
 	like "and counters" "$tmp/car.conf" '^counter = ZAEHLER '
+	is "of which none is odd" "$(grep -c 'counter:' "$tmp/out" "$tmp/car.conf" | cut -d: -f2 | tr '\n' ' ')" "0 0 "
 	ok "a shadow run" "$AEBMC" replay --config "$tmp/car.conf" --set bus.transmit=shadow --set mc.samples=256 "$tmp/car.log"
 	is "scans need no gap of their own" "$(grep -c scan_gap "$tmp/car.conf")" 0
 	"$python" tests/strange_car.py --dbc "$tmp/car.dbc" --log "$tmp/car.log" --spread 13
@@ -154,6 +155,17 @@ if "$python" -c 'import cantools' 2>/dev/null; then
 	like "is named" "$tmp/out" 'RELATIV_GESCHW .*is the change of ABSTAND, but for the sign: negate'
 	like "and mended" "$tmp/car.conf" '^negate = yes '
 	ok "so that inputs finds nothing wrong" "$AEBMC" inputs "$tmp/car.log" --config "$tmp/car.conf"
+	# counted PLANT WHAT: a counter that does not count is not taken, and said
+	counted() {
+		strange "counter_$1"
+		ok "planted: a counter that $1" "$AEBMC" map "$tmp/car.dbc" "$tmp/car.log" --out "$tmp/car.conf"
+		like "a counter that $1: told" "$tmp/out" "^counter: FAHRDYNAMIK\.ZAEHLER $2, not taken\$"
+		like "a counter that $1: written" "$tmp/car.conf" "^# counter: ZAEHLER $2, not taken\$"
+		is "a counter that $1: not mapped" "$(grep -c '^counter = ' "$tmp/car.conf")" 0
+	}
+	counted repeats 'repeats in 50 % of the frames'
+	counted still 'never changes'
+	counted skips 'goes up by one in 0 % of the frames only'
 	for plant in scale geschw_unit frozen id; do
 		strange $plant
 		exits "planted: $plant: no guess" 1 "$AEBMC" map "$tmp/car.dbc" "$tmp/car.log" --out "$tmp/car.conf"

@@ -55,6 +55,8 @@ WRONG = {
     "yaw_unit": {"gier_unit": "rad/s"},
     "id": {"ego": 0x98FEF118},
 }
+# What a counter in the log says at its n-th frame
+COUNTS = {"counter_repeats": lambda n: n // 2, "counter_still": lambda n: 5, "counter_skips": lambda n: 3 * n}
 SLOTS = 4
 
 
@@ -104,6 +106,7 @@ class Log:
         self.db, self.plant, self.spread, self.rng = db, plant, spread, random.Random(seed)
         self.lines = []
         self.counter = 0
+        self.count = COUNTS.get(plant, lambda n: n)
 
     def send(self, t, iface, name, **values):
         m = self.db.get_message_by_name(name)
@@ -116,7 +119,7 @@ class Log:
 
     def ego(self, t, d):
         speed = 13.8 if self.plant == "frozen" else d.ego() + self.rng.gauss(0, 0.02)
-        self.send(t, "can3", "FAHRDYNAMIK", ZAEHLER=self.counter % 16, FAHRZEUG_GESCHW=speed * 3.6,
+        self.send(t, "can3", "FAHRDYNAMIK", ZAEHLER=self.count(self.counter) % 16, FAHRZEUG_GESCHW=speed * 3.6,
                   GIERRATE=math.degrees(d.yaw()), MotorSpeed=2000 + 50 * speed)
         self.counter += 1
 
@@ -133,7 +136,7 @@ class Log:
 
 def main():
     p = argparse.ArgumentParser()
-    p.add_argument("--plant", choices=sorted(WRONG) + ["twice", "frozen", "invalid"], default="none")
+    p.add_argument("--plant", choices=sorted(WRONG) + sorted(COUNTS) + ["twice", "frozen", "invalid"], default="none")
     p.add_argument("--seconds", type=float, default=90)
     p.add_argument("--spread", type=float, default=0.4, help="ms from slot to slot")
     p.add_argument("--dbc", required=True)

@@ -170,6 +170,7 @@ static int check_file(const struct map *p)
 
 static int finish(const struct map *p)
 {
+	mapper_odd_counters(p->m, p->choice, p->words);
 	if (p->open) {
 		return cli_error(CLI_FAILED, p->name, "%d role%s not clear: decide with --role%s",
 				 p->open, p->open > 1 ? "s are" : " is",

@@ -114,6 +114,9 @@ void mapper_close(struct mapper *m); /* NULL is fine */
 /** mapper_words - points that a name earns for a role. Pure. */
 double mapper_words(enum mapper_role role, enum mapper_where where, const char *name);
 
+/** mapper_is_counter - 1 if a signal is called a frame counter. Pure. */
+int mapper_is_counter(const char *name);
+
 /** mapper_unit - the unit of @kind that @name stands for, as unit_gain knows it; NULL for none. @name "" is none. Pure. */
 const char *mapper_unit(enum unit_kind kind, const char *name);
 
@@ -139,6 +142,13 @@ const struct mapper_stats *mapper_stats(const struct mapper *m, const struct dbc
  * Returns 0, or -ENODATA if @family has one message, or too few frames were seen.
  */
 int mapper_gaps(const struct mapper *m, int family, int *within, int *between);
+
+/**
+ * mapper_odd_counters - a line for each message taken whose counter is one by its name, but does not count in the log
+ * Such a counter is not mapped: the daemon would drop the frames that repeat.
+ */
+void mapper_odd_counters(const struct mapper *m, const struct mapper_choice choice[MAPPER_ROLES],
+			 FILE *out);
 
 /** mapper_write - the configuration. @dbc_path as it is to be found from the file. */
 void mapper_write(const struct mapper *m, const struct mapper_choice choice[MAPPER_ROLES],

@@ -98,6 +98,14 @@ double mapper_words(enum mapper_role role, enum mapper_where where, const char *
 	return points;
 }
 
+int mapper_is_counter(const char *name)
+{
+	struct tokens t;
+
+	split(name, &t);
+	return has_word(&t, "cnt count ctr alive rolling zaehler seq bz");
+}
+
 const char *mapper_unit(enum unit_kind kind, const char *name)
 {
 	static const struct {

@@ -60,6 +60,43 @@ static const struct dbc_signal *find_counter(const struct mapper *m,
 	return NULL;
 }
 
+/* A signal that is called a counter and does not count, or NULL; not where the database gives a DataIDList. */
+static const struct dbc_signal *find_odd_counter(const struct mapper *m,
+						 const struct mapper_choice *choice,
+						 const struct dbc_message *msg)
+{
+	if (msg->has_data_id || find_counter(m, choice, msg)) {
+		return NULL;
+	}
+	for (uint32_t i = 0; i < msg->n_signals; i++) {
+		const struct dbc_signal *s = &msg->signals[i];
+
+		if (s->mux == DBC_PLAIN && s->len > 1 && s->len <= COUNTER_LEN &&
+		    mapper_stats(m, msg, s)->steps >= FRAMES_MIN && mapper_is_counter(s->name) &&
+		    !is_role(choice, s)) {
+			return s;
+		}
+	}
+	return NULL;
+}
+
+static void say_odd_counter(const struct mapper *m, const struct dbc_message *msg,
+			    const struct dbc_signal *s, FILE *out)
+{
+	const struct mapper_stats *st = mapper_stats(m, msg, s);
+	const double steps = (double)st->steps, repeats = 1 - (double)st->moves / steps;
+
+	if (!st->moves) {
+		fprintf(out, "%s never changes, not taken\n", s->name);
+	} else if (repeats > 1 - COUNTER_UPS) {
+		fprintf(out, "%s repeats in %.0f %% of the frames, not taken\n", s->name,
+			100 * repeats);
+	} else {
+		fprintf(out, "%s goes up by one in %.0f %% of the frames only, not taken\n",
+			s->name, 100 * (double)st->ups / steps);
+	}
+}
+
 static void write_check(const struct mapper *m, const struct dbc_message *msg, FILE *out)
 {
 	const struct mapper_message *st = mapper_at(m, msg);
@@ -101,6 +138,7 @@ static void write_message(const struct mapper *m, const struct mapper_choice *ch
 	const struct dbc_message *msg = f->member[0];
 	const struct census_id *there = census_elsewhere(&m->census, msg->id);
 	const struct dbc_signal *counter = find_counter(m, choice, msg);
+	const struct dbc_signal *odd = find_odd_counter(m, choice, msg);
 
 	fprintf(out, "\n[message %s]\n", f->name);
 	line(out, "interface", there ? m->iface[there->iface] : iface, "");
@@ -108,7 +146,21 @@ static void write_message(const struct mapper *m, const struct mapper_choice *ch
 	if (counter && !msg->has_data_id) {
 		line(out, "counter", counter->name, "one up with each frame of the log");
 	}
+	if (odd) {
+		fprintf(out, "# counter: ");
+		say_odd_counter(m, msg, odd, out);
+	}
 	write_period(m, msg, out);
+}
+
+static int is_used(const struct mapper_choice *choice, int family)
+{
+	for (int r = 0; r < MAPPER_ROLES; r++) {
+		if (choice[r].taken >= 0 && choice[r].at[choice[r].taken].family == family) {
+			return 1;
+		}
+	}
+	return 0;
 }
 
 static void write_messages(const struct mapper *m, const struct mapper_choice *choice,
@@ -116,13 +168,23 @@ static void write_messages(const struct mapper *m, const struct mapper_choice *c
 {
 	fprintf(out, "\n# ---- how the messages arrive ----\n");
 	for (int f = 0; f < m->n_families; f++) {
-		int used = 0;
-
-		for (int r = 0; r < MAPPER_ROLES; r++) {
-			used |= choice[r].taken >= 0 && choice[r].at[choice[r].taken].family == f;
-		}
-		if (used) {
+		if (is_used(choice, f)) {
 			write_message(m, choice, f, iface, out);
+		}
+	}
+}
+
+void mapper_odd_counters(const struct mapper *m, const struct mapper_choice choice[MAPPER_ROLES],
+			 FILE *out)
+{
+	for (int f = 0; f < m->n_families; f++) {
+		const struct dbc_message *msg = m->family[f].member[0];
+		const struct dbc_signal *odd =
+			is_used(choice, f) ? find_odd_counter(m, choice, msg) : NULL;
+
+		if (odd) {
+			fprintf(out, "counter: %s.", m->family[f].name);
+			say_odd_counter(m, msg, odd, out);
 		}
 	}
 }

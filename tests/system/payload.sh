@@ -15,7 +15,7 @@ flock "$O/system.lock" make --no-print-directory -s O="$O" DESTDIR="$dir/root" P
 if [ -d "$dir/root/lib" ] && [ ! -L "$dir/root/lib" ]; then
 	cp -a "$dir/root/lib/." "$dir/root/usr/lib/" && rm -rf "$dir/root/lib"
 fi
-for drive in brake follow; do
+for drive in brake follow stopped; do
 	"$O/aebmc" generate --drive $drive --out "$dir/logs/$drive.log" >&2
 done
 recorded=../shared/canlog/comma2k19-rav4-seg40-speed-radar.log.xz

@@ -206,7 +206,7 @@ static const struct scenario calm[] = {
 		   .n = 2,
 		   .curvature_pm = -1 / 100.0,
 		   .target = {{.gap_m = 90, .lateral_m = 3.2}, {.gap_m = 75, .lateral_m = 3.2}}}},
-	{.name = "oncoming-curve-70",
+	{.name = "curve-slow-neighbour-70",
 	 .drive = {.end_s = 8,
 		   .ego = {KMH(70)},
 		   .n = 1,

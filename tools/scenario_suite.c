@@ -178,7 +178,8 @@ static const struct scenario_fault faults[] = {
 	 .set = {"radar.range_sigma=0.5", "radar.rate_sigma=0.2", "filter.ego_sigma=0.1"}},
 	{.name = "noise-untold", .doc = "all noise doubled, the filter not told", .noise = 2},
 	{.name = "dropouts",
-	 .doc = "10 % of the scans miss the target, in bursts",
+	 .doc = "the radar misses 1 scan in 6, in bursts: 0.1 after a scan that saw, 0.5 after one "
+		"that missed",
 	 .dropout = 0.1,
 	 .burst = 0.5},
 	{.name = "latency", .doc = "150 ms old, assumed 75", .latency_s = 0.15},

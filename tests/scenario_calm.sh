@@ -16,7 +16,14 @@ json "no deceleration added" "$tmp/calm.json" 'j["sum"]["added_deceleration_mps2
 json "no contact" "$tmp/calm.json" 'not any(r["contact"] for r in j["runs"])'
 json "a plate that the radar calls a car is told as not passed" "$tmp/calm.json" \
 	'[(r["goal"], r["passed"], r["full"] > 0) for r in j["runs"] if r["row"] == "plate-without-existence"] == [("unknowable", False, True)]'
+json "runs that could request are told from those that could not" "$tmp/calm.json" \
+	'{r["row"] for r in j["runs"] if not r["evaluations"]} == {"plate", "parked-pair", "curve-neighbour-60"}'
+json "and judged by themselves too" "$tmp/calm.json" \
+	'(lambda s: s["runs_evaluated"] == s["runs"] - 3 and s["judged_evaluated"] == s["judged"] - 3 and s["failed_evaluated_hi"] > s["failed_hi"] > 0)(j["sum"])'
 ok "in words" "$AEBMC" scenario false-activation --only plate
+like "which rows could not" "$tmp/out" '^plate-flickers .* passed, never evaluated$'
+like "and how many could" "$tmp/out" '^3 runs, 0 with contact, 1 with a request, 1 with an evaluation$'
+like "nothing is said of none" "$tmp/out" '^0 of 0 with a goal and an evaluation missed it: 95 % interval 0 .. 100 %$'
 like "not passed, and why" "$tmp/out" 'plate-without-existence .* not passed: the sensors say it is a car'
 ok "drawn cars" "$AEBMC" scenario false-activation --only overtake --vehicles 3 --json
 json "no request either" "$tmp/out" 'len(j["runs"]) == 9 and not any(r["full"] for r in j["runs"])'

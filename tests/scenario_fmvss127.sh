@@ -42,7 +42,7 @@ class P(html.parser.HTMLParser):
         self.n[tag] = self.n.get(tag, 0) + 1
 p = P()
 p.feed(open(sys.argv[1]).read())
-assert p.n["svg"] >= 1 and p.n["tr"] == 13 and p.n["th"] == 11, p.n
+assert p.n["svg"] >= 1 and p.n["tr"] == 13 and p.n["th"] == 12, p.n
 ' "$tmp/page.html"
 ok "at -6 m/s2, with the configuration as it is" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g-ramp --preset none
 ok "through the frames of another car" "$AEBMC" scenario fmvss127 --only brake-80-12m-0.5g --config $toyota

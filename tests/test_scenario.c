@@ -180,6 +180,31 @@ static void faults_break_the_sensors(void **state)
 	}
 }
 
+/* What the words say of the dropouts: 0.1 / (0.1 + 0.5). */
+static void one_scan_in_six_is_missed(void **state)
+{
+	const struct drive one = {.n = 1};
+	struct scenario r = {0};
+	struct sensors s = {.drive = &one, .noise.seed = 1};
+	struct config c;
+	int missed = 0, in_row = 0;
+
+	(void)state;
+	config_defaults(&c);
+	for (size_t i = 0; i < sizeof(faults) / sizeof(faults[0]); i++) {
+		r.fault = strcmp(faults[i].name, "dropouts") ? r.fault : &faults[i];
+	}
+	s.p = scenario_draw(&c, &r, 1, 0).sensors;
+	for (int i = 0; i < 60000; i++) {
+		const int before = s.missed[0];
+
+		missed += is_missed(&s, 0);
+		in_row += before && s.missed[0];
+	}
+	assert_true(abs(missed - 10000) < 300 && abs(in_row - 5000) < 300);
+	assert_non_null(strstr(r.fault->doc, "1 scan in 6"));
+}
+
 /* Figures over runs whose results are given. */
 static void figures_are_counted(void **state)
 {
@@ -195,7 +220,8 @@ static void figures_are_counted(void **state)
 		 .partial_s = NAN,
 		 .full_s = 4.5,
 		 .full = 1,
-		 .peak_after_mps2 = 9},
+		 .peak_after_mps2 = 9,
+		 .evaluations = 7},
 		{.contact = 1,
 		 .impact_mps = 3,
 		 .warn_s = 5,
@@ -203,7 +229,8 @@ static void figures_are_counted(void **state)
 		 .partial_s = 4.75,
 		 .full_s = 5,
 		 .partial = 1,
-		 .full = 1},
+		 .full = 1,
+		 .evaluations = 1},
 		{.closest_m = NAN, .warn_s = NAN, .partial_s = NAN, .full_s = NAN},
 		{.closest_m = 5,
 		 .warn_s = NAN,
@@ -222,9 +249,12 @@ static void figures_are_counted(void **state)
 		    a.request99_s == 1.75);
 	assert_true(isnan(a.spare_s) && a.warn_s == 0.5 && a.after_mps2 == 9);
 	assert_true(b.failed == 1 && b.requests == 1 && b.closest_m == 5 && isnan(b.warn_s));
-	assert_true(s.runs == 4 && s.judged == 4 && s.failed == 2 && s.requests == 3);
+	assert_true(a.evaluated == 2 && b.evaluated == 0 && s.evaluated == 2);
+	assert_true(s.runs == 4 && s.all.judged == 4 && s.all.failed == 2 && s.requests == 3);
+	assert_true(s.in_evaluated.judged == 2 && s.in_evaluated.failed == 1);
 	assert_true(s.unwarned == 2 && s.lead_s == 1 && s.lead_least_s == 1 && s.added_mps2 == 3);
-	assert_true(s.lo > 0.1 && s.hi < 0.9);
+	assert_true(s.all.lo > 0.1 && s.all.hi < 0.9);
+	assert_true(s.in_evaluated.lo < s.all.lo && s.in_evaluated.hi > s.all.hi);
 }
 
 int main(void)
@@ -236,6 +266,7 @@ int main(void)
 		cmocka_unit_test(the_limit_is_physical),
 		cmocka_unit_test(cars_are_drawn),
 		cmocka_unit_test(faults_break_the_sensors),
+		cmocka_unit_test(one_scan_in_six_is_missed),
 		cmocka_unit_test(figures_are_counted),
 	};
 

@@ -23,7 +23,7 @@ static int list(const struct scenario_work *w)
 static int report(const struct scenario_work *w)
 {
 	const struct scenario_sum sum = scenario_sum_of(&w->plan, w->result);
-	const int failed = sum.failed && !w->plan.suite->stated && !w->plan.rule;
+	const int failed = sum.all.failed && !w->plan.suite->stated && !w->plan.rule;
 
 	if (w->args->json) {
 		scenario_json(stdout, &w->plan, w->result);

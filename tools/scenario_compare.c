@@ -25,8 +25,8 @@ static struct outcome outcome_of(const struct scenario_plan *p, const struct rul
 	struct outcome o = {.rule = rule,
 			    .runs = sum.runs,
 			    .contacts = sum.contacts,
-			    .judged = sum.judged,
-			    .failed = sum.failed};
+			    .judged = sum.all.judged,
+			    .failed = sum.all.failed};
 
 	for (int i = 0; i < p->rows * p->cars; i++) {
 		const struct scenario *s = &p->row[i / p->cars];

@@ -7,6 +7,12 @@
 #include "rules.h"
 #include "scenario_report.h"
 
+/* As a figure: NaN where nothing is known of them. */
+static double evaluations(const struct scenario_plan *p, const struct scenario_result *r)
+{
+	return p->live ? NAN : (double)r->evaluations;
+}
+
 /* ---- CSV --------------------------------------------------------------------------------------- */
 
 static void field(FILE *out, double v)
@@ -22,7 +28,7 @@ void scenario_csv(FILE *out, const struct scenario_plan *p, const struct scenari
 {
 	fputs("row,car,contact,impact_mps,closest_m,warn_s,partial_s,full_s,warn,partial,full,"
 	      "onset_s,"
-	      "latest_s,peak_before_mps2,peak_after_mps2,passed\n",
+	      "latest_s,peak_before_mps2,peak_after_mps2,passed,evaluations\n",
 	      out);
 	for (int i = 0; i < p->rows * p->cars; i++) {
 		const struct scenario *s = &p->row[i / p->cars];
@@ -36,8 +42,10 @@ void scenario_csv(FILE *out, const struct scenario_plan *p, const struct scenari
 		fprintf(out, ",%u,%u,%u", r[i].warn, r[i].partial, r[i].full);
 		field(out, s->onset_s > 0 ? s->onset_s : NAN);
 		field(out, p->latest_s[i / p->cars]);
-		fprintf(out, ",%.9g,%.9g,%d\n", r[i].peak_before_mps2, r[i].peak_after_mps2,
+		fprintf(out, ",%.9g,%.9g,%d", r[i].peak_before_mps2, r[i].peak_after_mps2,
 			scenario_passed(s, &r[i]));
+		field(out, evaluations(p, &r[i]));
+		fputc('\n', out);
 	}
 }
 
@@ -73,17 +81,27 @@ static void json_run(struct json *j, const struct scenario_plan *p, int i,
 	json_num(j, "peak_after_mps2", r->peak_after_mps2);
 	json_str(j, "goal", goal_name[s->goal]);
 	json_bool(j, "passed", scenario_passed(s, r));
+	json_num(j, "evaluations", evaluations(p, r));
 	json_close(j, '}');
 }
 
-static void json_sum(struct json *j, const struct scenario_sum *s)
+static void json_sum(struct json *j, const struct scenario_plan *p, const struct scenario_sum *s)
 {
+	const struct scenario_share *in = &s->in_evaluated;
+
 	json_open(j, "sum", '{');
 	json_uint(j, "runs", s->runs);
-	json_uint(j, "judged", s->judged);
-	json_uint(j, "failed", s->failed);
-	json_num(j, "failed_lo", s->lo);
-	json_num(j, "failed_hi", s->hi);
+	json_uint(j, "judged", s->all.judged);
+	json_uint(j, "failed", s->all.failed);
+	json_num(j, "failed_lo", s->all.lo);
+	json_num(j, "failed_hi", s->all.hi);
+	if (!p->live) {
+		json_uint(j, "runs_evaluated", s->evaluated);
+		json_uint(j, "judged_evaluated", in->judged);
+		json_uint(j, "failed_evaluated", in->failed);
+		json_num(j, "failed_evaluated_lo", in->lo);
+		json_num(j, "failed_evaluated_hi", in->hi);
+	}
 	json_uint(j, "contacts", s->contacts);
 	json_uint(j, "requests", s->requests);
 	json_uint(j, "requests_unwarned", s->unwarned);
@@ -108,7 +126,7 @@ void scenario_json(FILE *out, const struct scenario_plan *p, const struct scenar
 		json_run(&j, p, i, &r[i]);
 	}
 	json_close(&j, ']');
-	json_sum(&j, &sum);
+	json_sum(&j, p, &sum);
 	json_str(&j, "config_hash", hash);
 	json_uint(&j, "samples", (uint64_t)p->cfg->mc_samples);
 	json_uint(&j, "seed", p->seed);

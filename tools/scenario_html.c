@@ -17,6 +17,7 @@
 
 struct column {
 	const char *name;
+	int digits; /* after the point */
 	double (*of)(const struct scenario_plan *p, int row, const struct scenario_row *r);
 };
 
@@ -74,10 +75,18 @@ static double after_of(const struct scenario_plan *p, int row, const struct scen
 	return r->after_mps2;
 }
 
+static double evaluated_of(const struct scenario_plan *p, int row, const struct scenario_row *r)
+{
+	(void)row;
+	return p->live ? NAN : r->evaluated;
+}
+
 static const struct column column[] = {
-	{"contacts", contacts_of},   {"impact, m/s", impact_of},  {"closest, m", closest_of},
-	{"warning, s", warn_column}, {"request, s", request_of},  {"99 %, s", request99_of},
-	{"latest, s", latest_of},    {"before, m/s2", before_of}, {"after, m/s2", after_of},
+	{"contacts", 0, contacts_of},  {"impact, m/s", 2, impact_of},
+	{"closest, m", 2, closest_of}, {"warning, s", 2, warn_column},
+	{"request, s", 2, request_of}, {"99 %, s", 2, request99_of},
+	{"latest, s", 2, latest_of},   {"before, m/s2", 2, before_of},
+	{"after, m/s2", 2, after_of},  {"evaluated", 0, evaluated_of},
 };
 #define COLUMNS (sizeof(column) / sizeof(column[0]))
 
@@ -96,7 +105,7 @@ static void table(FILE *out, const struct scenario_plan *p, const struct scenari
 		for (size_t i = 0; i < COLUMNS; i++) {
 			const double v = column[i].of(p, row, &r[row]);
 
-			fprintf(out, isfinite(v) ? "<td>%.*f" : "<td>", i ? 2 : 0, v);
+			fprintf(out, isfinite(v) ? "<td>%.*f" : "<td>", column[i].digits, v);
 		}
 		fprintf(out, "<td class=\"text%s\">%s</tr>\n", r[row].failed ? " bad" : "",
 			scenario_verdict(&p->row[row], &r[row]));
@@ -164,6 +173,12 @@ static void picture(FILE *out, const struct scenario_plan *p, const struct scena
 
 /* ---- page -------------------------------------------------------------------------------------- */
 
+static void share(FILE *out, const struct scenario_share *s, const char *of)
+{
+	fprintf(out, "%" PRIu64 " of %" PRIu64 " %s missed it (95 %% interval %.3g .. %.3g %%); ",
+		s->failed, s->judged, of, s->lo * 100, s->hi * 100);
+}
+
 static void head(FILE *out, const struct scenario_plan *p, const struct scenario_sum *s)
 {
 	char title[64], cpu[128];
@@ -178,13 +193,16 @@ static void head(FILE *out, const struct scenario_plan *p, const struct scenario
 		config_hash(p->cfg, p->map), p->rule ? ", decided by " : "",
 		p->rule ? p->rule->name : "");
 	svg_escape(out, cpu);
+	fputs("</p><p>", out);
+	share(out, &s->all, "with a goal");
+	if (!p->live) {
+		fprintf(out, "%" PRIu64 " had an evaluation; ", s->evaluated);
+		share(out, &s->in_evaluated, "with a goal and an evaluation");
+	}
 	fprintf(out,
-		"</p><p>%" PRIu64 " of %" PRIu64
-		" with a goal missed it (95 %% interval %.3g .. %.3g %%); %" PRIu64
-		" with contact, %" PRIu64 " with a request, of which %" PRIu64
+		"%" PRIu64 " with contact, %" PRIu64 " with a request, of which %" PRIu64
 		" without a warning before</p>\n",
-		s->failed, s->judged, s->lo * 100, s->hi * 100, s->contacts, s->requests,
-		s->unwarned);
+		s->contacts, s->requests, s->unwarned);
 }
 
 int scenario_html(FILE *out, const struct scenario_plan *p, const struct scenario_result *r)

@@ -19,6 +19,7 @@ struct scenario_plan {
 		*told; /* [rows]: what the daemon is told, cfg with the fault's settings */
 	const struct mapping *map;
 	const struct rule *rule; /* NULL: the daemon's own */
+	int live; /* a daemon elsewhere decides: nothing is known of its evaluations */
 	int threads;
 	double *latest_s; /* [rows]: receives scenario_latest(), NaN where contact is not the question */
 };

@@ -55,6 +55,7 @@ static void add_run(struct scenario_row *row, const struct scenario *s,
 	row->requests += isfinite(request_s);
 	row->warned += r->warn > 0;
 	row->failed += !scenario_passed(s, r);
+	row->evaluated += r->evaluations > 0;
 	row->impact_mps = fmax(row->impact_mps, r->impact_mps);
 	row->closest_m = fmin(row->closest_m, r->closest_m); /* of NaN and a number: the number */
 	row->spare_s = fmin(row->spare_s, spare_s);          /* of NaN and a number: the number */
@@ -88,6 +89,20 @@ struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
 	return out;
 }
 
+static void add_judged(struct scenario_share *share, int failed)
+{
+	share->judged++;
+	share->failed += (uint64_t)failed;
+}
+
+static void bound(struct scenario_share *share)
+{
+	share->hi = 1;
+	if (share->judged) {
+		stats_wilson(share->failed, share->judged, &share->lo, &share->hi);
+	}
+}
+
 static void add_to_sum(struct scenario_sum *sum, const struct scenario *s,
 		       const struct scenario_result *r, double *lead, size_t *leads)
 {
@@ -95,11 +110,14 @@ static void add_to_sum(struct scenario_sum *sum, const struct scenario *s,
 	const int requested = isfinite(request_s);
 
 	sum->runs++;
+	sum->evaluated += r->evaluations > 0;
 	sum->contacts += (uint64_t)r->contact;
 	sum->requests += (uint64_t)requested;
 	if (s->goal == GOAL_NO_CONTACT || s->goal == GOAL_NO_REQUEST) {
-		sum->judged++;
-		sum->failed += (uint64_t)!scenario_passed(s, r);
+		add_judged(&sum->all, !scenario_passed(s, r));
+		if (r->evaluations) {
+			add_judged(&sum->in_evaluated, !scenario_passed(s, r));
+		}
 	}
 	if (requested && s->goal == GOAL_NO_REQUEST) {
 		sum->added_mps2 = fmax(sum->added_mps2, r->peak_after_mps2 - r->peak_before_mps2);
@@ -113,7 +131,7 @@ static void add_to_sum(struct scenario_sum *sum, const struct scenario *s,
 
 struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct scenario_result *r)
 {
-	struct scenario_sum sum = {.lead_s = NAN, .lead_least_s = NAN, .lo = 0, .hi = 1};
+	struct scenario_sum sum = {.lead_s = NAN, .lead_least_s = NAN};
 	const int n = p->rows * p->cars;
 	double *lead = malloc((size_t)n * sizeof(*lead));
 	size_t leads = 0;
@@ -121,9 +139,8 @@ struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct 
 	for (int i = 0; i < n; i++) {
 		add_to_sum(&sum, &p->row[i / p->cars], &r[i], lead, &leads);
 	}
-	if (sum.judged) {
-		stats_wilson(sum.failed, sum.judged, &sum.lo, &sum.hi);
-	}
+	bound(&sum.all);
+	bound(&sum.in_evaluated);
 	if (leads) {
 		sum.lead_s = quantile(lead, leads, 0.5);
 		sum.lead_least_s = lead[0];
@@ -199,16 +216,29 @@ static void print_row(FILE *out, const struct scenario_plan *p, int row,
 	cell(out, 8, "%.2f", a.spare_s);
 	cell(out, 8, "%.2f", a.before_mps2);
 	cell(out, 8, "%.2f", a.after_mps2);
-	fprintf(out, "  %s\n", scenario_verdict(s, &a));
+	fprintf(out, "  %s%s\n", scenario_verdict(s, &a),
+		a.evaluated || p->live ? "" : ", never evaluated");
 }
 
-static void print_sum(FILE *out, const struct scenario_sum *s)
+static void print_share(FILE *out, const struct scenario_share *s, const char *of)
 {
-	fprintf(out,
-		"\n%" PRIu64 " runs, %" PRIu64 " with contact, %" PRIu64 " with a request\n"
-		"%" PRIu64 " of %" PRIu64
-		" with a goal missed it: 95 %% interval %.3g .. %.3g %%\n",
-		s->runs, s->contacts, s->requests, s->failed, s->judged, s->lo * 100, s->hi * 100);
+	fprintf(out, "%" PRIu64 " of %" PRIu64 " %s missed it: 95 %% interval %.3g .. %.3g %%\n",
+		s->failed, s->judged, of, s->lo * 100, s->hi * 100);
+}
+
+static void print_sum(FILE *out, const struct scenario_plan *p, const struct scenario_sum *s)
+{
+	fprintf(out, "\n%" PRIu64 " runs, %" PRIu64 " with contact, %" PRIu64 " with a request",
+		s->runs, s->contacts, s->requests);
+	if (p->live) {
+		fputc('\n', out);
+	} else {
+		fprintf(out, ", %" PRIu64 " with an evaluation\n", s->evaluated);
+	}
+	print_share(out, &s->all, "with a goal");
+	if (!p->live) {
+		print_share(out, &s->in_evaluated, "with a goal and an evaluation");
+	}
 	if (s->requests) {
 		fprintf(out, "requests without a warning before them: %" PRIu64, s->unwarned);
 		fputs("; warning before request: median", out);
@@ -227,5 +257,5 @@ void scenario_words(FILE *out, const struct scenario_plan *p, const struct scena
 	for (int i = 0; i < p->rows; i++) {
 		print_row(out, p, i, r + i * p->cars);
 	}
-	print_sum(out, &sum);
+	print_sum(out, p, &sum);
 }

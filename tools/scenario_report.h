@@ -9,19 +9,25 @@
 /* One row over all its cars. Figures that no run has are NaN. */
 struct scenario_row {
 	int runs, contacts, requests, warned, failed;
-	double impact_mps;                     /* largest */
-	double closest_m;                      /* smallest */
+	int evaluated;     /* runs that had an evaluation: the others could not have requested */
+	double impact_mps; /* largest */
+	double closest_m;  /* smallest */
 	double warn_s, request_s, request99_s; /* median and 99 % of the times, from the onset */
 	double spare_s; /* left of latest_s when the request came; NaN for drawn cars, whose limits differ */
 	double before_mps2, after_mps2; /* largest decelerations */
 };
 
+/* Runs whose goal is one, those that missed it, and 95 % of failed / judged. */
+struct scenario_share {
+	uint64_t judged, failed;
+	double lo, hi;
+};
+
 /* All rows together. */
 struct scenario_sum {
-	uint64_t runs;
-	uint64_t judged, failed; /* runs whose goal is one, and that missed it */
+	uint64_t runs, evaluated;
+	struct scenario_share all, in_evaluated; /* of all runs; of those that had an evaluation */
 	uint64_t contacts, requests;
-	double lo, hi;               /* 95 % of failed / judged */
 	uint64_t unwarned;           /* requests without a warning before them */
 	double lead_s, lead_least_s; /* warning before request: median, smallest */
 	double added_mps2; /* largest deceleration that a request added where none was wanted */

@@ -111,6 +111,7 @@ int scenario_work_open(struct scenario_work *w)
 		.told = w->told,
 		.map = w->map,
 		.rule = a->rule,
+		.live = a->live != NULL,
 		.threads = a->threads ? (int)a->threads : (int)cli_cpus(),
 		.latest_s = w->latest_s,
 	};

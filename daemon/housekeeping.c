@@ -134,12 +134,19 @@ void housekeeping_answer(void *arg, const char *command, char *reply, size_t siz
 
 /* ---- reload ---------------------------------------------------------------------------------------------- */
 
-/* Only decision thresholds and the driver model are read anew at every evaluation; the rest sizes or wires something
- * (driver.override: the estimator). */
+/* Only decision thresholds and the driver model are read anew at every evaluation; the rest sizes or wires something. */
 static int may_change(const struct config_row *r)
 {
-	return strcmp(r->section, "decision") == 0 ||
-	       (strcmp(r->section, "driver") == 0 && strcmp(r->key, "override") != 0);
+	/* read by the estimator, or for the backend's size */
+	static const char *const wired[] = {"driver.override", "decision.speed_min",
+					    "decision.samples_min"};
+
+	for (size_t i = 0; i < sizeof(wired) / sizeof(wired[0]); i++) {
+		if (strcmp(r->name, wired[i]) == 0) {
+			return 0;
+		}
+	}
+	return strcmp(r->section, "decision") == 0 || strcmp(r->section, "driver") == 0;
 }
 
 static int refuse_changes(const struct config *was, const struct config *now, char *err,
@@ -162,6 +169,34 @@ static int refuse_changes(const struct config *was, const struct config *now, ch
 	return 0;
 }
 
+/* The estimator and the bus's filters are wired to the mapping they were opened with. */
+static int refuse_mapping(const struct live *l, const struct mapping *now, const char *dbc,
+			  char *err, int err_len)
+{
+	if (mapping_hash(l->map, 0) == mapping_hash(now, 0)) {
+		return 0;
+	}
+	snprintf(err, (size_t)err_len,
+		 "the mapping ([message], [signal]) or its DBC %s changed, which takes a restart; "
+		 "nothing was changed",
+		 dbc);
+	return -EPERM;
+}
+
+static int read_again(const struct live *l, struct config *next, char *err, int err_len)
+{
+	struct mapping *map;
+	int ret = l->reload(l->reload_arg, next, &map, err, err_len);
+
+	if (ret) {
+		return ret;
+	}
+	ret = refuse_changes(l->cfg, next, err, err_len);
+	ret = ret ? ret : refuse_mapping(l, map, next->dbc_file, err, err_len);
+	config_mapping_free(map);
+	return ret;
+}
+
 /* The real-time thread takes a new configuration within one period; only then may the next reload fill the other
  * copy. */
 static void let_it_take(const struct live *l)
@@ -179,8 +214,7 @@ static void reload(struct live *l)
 	char err[1024];
 
 	service_notify("RELOADING=1");
-	if (l->reload(l->reload_arg, &next, err, sizeof(err)) ||
-	    refuse_changes(l->cfg, &next, err, sizeof(err))) {
+	if (read_again(l, &next, err, sizeof(err))) {
 		service_log(SERVICE_ERROR, "RELOAD_REFUSED", err);
 	} else {
 		l->which = !l->which;

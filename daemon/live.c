@@ -406,8 +406,9 @@ static const struct room {
 #define ROOMS (int)(sizeof(rooms) / sizeof(rooms[0]))
 
 int live_run(const struct config *cfg, const struct mapping *map,
-	     int (*reload)(void *arg, struct config *cfg, char *err, int err_len), void *arg,
-	     char *err, int err_len)
+	     int (*reload)(void *arg, struct config *cfg, struct mapping **map, char *err,
+			   int err_len),
+	     void *arg, char *err, int err_len)
 {
 	struct live *l = calloc(1, sizeof(*l));
 	int n = 0, ret = l ? 0 : -ENOMEM;

@@ -11,11 +11,12 @@
 /**
  * live_run - open everything in order, run, close in reverse
  * Frames that say INIT go out before any backend is open. Allocates; returns at SIGTERM or SIGINT.
- * @reload: reads the configuration again for SIGHUP: 0 or -errno with one line in @err
+ * @reload: reads the configuration and its mapping again for SIGHUP: 0 or -errno with one line in @err
  * Returns 0, or -errno with one line in @err.
  */
 int live_run(const struct config *cfg, const struct mapping *map,
-	     int (*reload)(void *arg, struct config *cfg, char *err, int err_len), void *arg,
-	     char *err, int err_len);
+	     int (*reload)(void *arg, struct config *cfg, struct mapping **map, char *err,
+			   int err_len),
+	     void *arg, char *err, int err_len);
 
 #endif

@@ -19,7 +19,7 @@ struct live {
 	struct config
 		reloaded[2]; /* the one in use since the last reload, and the one the next fills */
 	int which;
-	int (*reload)(void *arg, struct config *cfg, char *err, int err_len);
+	int (*reload)(void *arg, struct config *cfg, struct mapping **map, char *err, int err_len);
 	void *reload_arg;
 
 	struct bus *bus;

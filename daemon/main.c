@@ -241,17 +241,11 @@ static int run_log(const struct args *a)
 
 /* ---- running live ---- */
 
-/* The mapping is wired in at start: a reload reads it to see that it is valid, no more. */
-static int reload(void *arg, struct config *cfg, char *err, int err_len)
+static int reload(void *arg, struct config *cfg, struct mapping **map, char *err, int err_len)
 {
 	const struct args *a = arg;
-	struct mapping *map;
-	int rc = config_load(a->config, a->set, a->n_set, cfg, &map, err, err_len);
 
-	if (!rc) {
-		config_mapping_free(map);
-	}
-	return rc;
+	return config_load(a->config, a->set, a->n_set, cfg, map, err, err_len);
 }
 
 static int run_live(const struct args *a)

@@ -97,6 +97,31 @@ ok "its report" "$AEBMC" report "$tmp/replay" --json
 json "says that it is one" "$tmp/out" '(j["replay"] and j["cycles"] == 463 and j["stages"]["total"]["n"] == 0 and
 	j["stages"]["mc"]["p50_ms"] > 0.05 and len(j["evaluations"]) == 463 and j["request_frames"]["adds_up"])'
 json "with the risk" "$tmp/out" 'max(e["p"] for e in j["evaluations"]) > 0.9 and {e["level"] for e in j["evaluations"]} >= {"none", "full"}'
+
+# ---- damage
+files=$(dirname "$(find "$tmp/replay" -name metadata)")
+cp -r "$files" "$tmp/whole"
+for size in 36 40 100 500 2000 4096 5000 $(($(wc -c <"$files/metadata") - 1)); do
+	head -c "$size" "$tmp/whole/metadata" >"$files/metadata"
+	refuses 1 timeout 60 "$AEBMC" report "$tmp/replay"
+	like "metadata cut to $size bytes, and which" "$tmp/err" \
+		"^aebmc report: $files: (its file metadata is cut off or damaged: copy .*|not a readable trace: cut off, .*)$"
+done
+for at in 24 28; do # sizes in a packet's head
+	cp "$tmp/whole/metadata" "$files/metadata"
+	printf '\001\001' | dd of="$files/metadata" bs=1 seek=$at conv=notrunc status=none
+	refuses 1 timeout 60 "$AEBMC" report "$tmp/replay"
+	like "a size in metadata that cannot be" "$tmp/err" 'its file metadata is cut off or damaged'
+done
+cp "$tmp/whole/metadata" "$files/metadata"
+ok "whole again" "$AEBMC" report "$tmp/replay"
+stream=$(find "$files" -maxdepth 1 -name 'aebmc_*' -size +32k | head -n 1)
+for size in 10 4000 20000; do
+	head -c $size "$tmp/whole/${stream##*/}" >"$stream"
+	refuses 1 timeout 60 "$AEBMC" report "$tmp/replay"
+	like "events cut to $size bytes" "$tmp/err" 'not a readable trace: cut off, damaged'
+done
+
 exits "nothing to stop" 1 "$AEBMC" trace stop
 PATH=/nonexistent exits "without lttng" 77 "$AEBMC" trace start
 done_testing

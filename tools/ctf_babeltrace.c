@@ -220,6 +220,46 @@ static void look(struct found *f, const char *dir)
 	free(e);
 }
 
+/* ---- metadata --------------------------------------------------------------------------------------- */
+
+/* The head of a packet of metadata, CTF 1.8.3, Sec. 7.1, in words of this machine. */
+enum { HEAD_MAGIC = 0, HEAD_CONTENT = 6, HEAD_PACKET = 7, HEAD_WORDS = 9 }; /* sizes in bits */
+#define PACKET_MAGIC 0x75d11d57u
+#define HEAD_BITS    (37 * 8u)
+
+static int is_whole(const uint32_t head[HEAD_WORDS], long bytes)
+{
+	return head[HEAD_MAGIC] == PACKET_MAGIC && head[HEAD_CONTENT] >= HEAD_BITS &&
+	       head[HEAD_CONTENT] <= head[HEAD_PACKET] && head[HEAD_PACKET] % 8 == 0 &&
+	       head[HEAD_PACKET] / 8 <= bytes;
+}
+
+/* Cut within a packet it would be read for ever; what has no packets libbabeltrace2 judges by itself. 0 or -EPROTO. */
+static int check_metadata(const char *dir)
+{
+	char path[PATH_LEN + sizeof("/metadata")];
+	uint32_t head[HEAD_WORDS] = {0};
+	long at = 0, size;
+
+	snprintf(path, sizeof(path), "%s/metadata", dir);
+	FILE *f = fopen(path, "r");
+
+	if (!f) {
+		return 0;
+	}
+	size = fseek(f, 0, SEEK_END) ? 0 : ftell(f);
+	while (at < size) {
+		memset(head, 0, sizeof(head));
+		fseek(f, at, SEEK_SET);
+		if (fread(head, 1, sizeof(head), f) == 0 || !is_whole(head, size - at)) {
+			break;
+		}
+		at += head[HEAD_PACKET] / 8;
+	}
+	fclose(f);
+	return at < size && (at || head[HEAD_MAGIC] == PACKET_MAGIC) ? -EPROTO : 0;
+}
+
 static int load(struct graph *g)
 {
 	return bt_plugin_find("ctf", BT_TRUE, BT_TRUE, BT_TRUE, BT_TRUE, BT_TRUE, &g->ctf) ||
@@ -238,8 +278,12 @@ static const char *why_not(int status)
 		return "libbabeltrace2 lacks its plugins ctf and utils";
 	case -ENOMEM:
 		return "out of memory";
+	case -EPROTO:
+		return "its file metadata is cut off or damaged: copy the trace again, after aebmc "
+		       "trace stop";
 	default:
-		return "not a readable trace: is the session stopped (aebmc trace stop)?";
+		return "not a readable trace: cut off, damaged, or its session not stopped (aebmc "
+		       "trace stop)";
 	}
 }
 
@@ -258,7 +302,9 @@ int ctf_read(const char *dir, ctf_event *event, void *arg, struct ctf_lost *lost
 	}
 	status = status ? status : add_mux(&g, &rd);
 	for (int i = 0; !status && i < f->n; i++) {
-		status = add_source(&g, f->dir[i], i);
+		dir = f->dir[i];
+		status = check_metadata(dir);
+		status = status ? status : add_source(&g, dir, i);
 	}
 	status = status ? status : run(&g, &rd);
 	if (status) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Rings of frames and evaluations, and the files written from them. See recorder.h.
+ * Rings of frames, evaluations and triggers, and the files written from them. See recorder.h.
  */
 #include "recorder.h"
 
@@ -13,38 +13,54 @@
 #include <unistd.h>
 
 #include "clock.h"
-#include "hash.h"
 #include "ring.h"
 
 #define PREFIX     "event-"
 #define LATENCY_NS (2 * CLOCK_NS_PER_S) /* until the oldest of an event that is over is read */
+#define TRIGGERS   (1u << 14) /* of the longest event and a minute of a slow disk, at 100 a second */
 
-const char *const recorder_reason_name[RECORDER_REASONS] = {"warn", "request", "fault", "miss",
-							    "mark"};
+struct trigger {
+	int64_t t_ns;
+	uint64_t why;
+};
 
+/* As far as its triggers were taken; the writer's alone. */
+struct event {
+	int64_t first_ns, from_ns, to_ns;
+	struct tally {
+		uint64_t n;
+		int64_t first_ns, last_ns;
+	} of[RECORDER_REASONS];
+	enum recorder_reason name;
+	int open;
+	uint64_t lost;       /* triggers overwritten before they were taken */
+	int64_t complete_ns; /* what was before was in part overwritten before it was written */
+};
+
+/* Entries of both rings begin with their time. */
 struct evaluation {
 	int64_t t_ns;
 	uint64_t result_hash;
 	struct mc_request req;
 };
 _Static_assert(sizeof(struct evaluation) % 8 == 0, "ring entries are words");
+_Static_assert(offsetof(struct bus_frame, t_ns) == 0, "ring entries begin with their time");
 _Static_assert(sizeof(struct bus_frame) % 8 == 0, "ring entries are words");
-_Static_assert(sizeof(struct mc_request) % 4 == 0, "a request is written as 32-bit words");
 
 struct recorder {
 	struct recorder_params p;
 	char dir[RECORDER_DIR_MAX];
 	char iface[BUS_IFACES_MAX][BUS_NAME_MAX];
-	struct ring *frames, *evaluations;
-	int64_t event_ns; /* atomic; 0: no event open */
-	int event_why;    /* atomic */
-	unsigned serial;  /* of the last event */
+	struct ring *frames, *evaluations, *triggers;
+	uint64_t taken; /* triggers */
+	struct event event, last;
+	unsigned serial; /* of the last event */
 };
 
-/* A ring's entries: what comes while an event lasts, a power of two. */
+/* A ring's entries: what comes during the longest event, a power of two. */
 static uint32_t kept(const struct recorder_params *p, uint32_t per_s)
 {
-	const int64_t kept_ns = p->before_ns + p->after_ns + LATENCY_NS;
+	const int64_t kept_ns = p->before_ns + RECORDER_TOGETHER_NS + p->after_ns + LATENCY_NS;
 	uint32_t n = 1;
 
 	while (n < kept_ns * per_s / CLOCK_NS_PER_S) {
@@ -84,6 +100,7 @@ int recorder_open(const struct recorder_params *p, struct recorder **ret, char *
 	status = status ? status
 			: ring_open(kept(p, p->requests_per_s), sizeof(struct evaluation),
 				    &r->evaluations);
+	status = status ? status : ring_open(TRIGGERS, sizeof(struct trigger), &r->triggers);
 	if (status) {
 		snprintf(err, (size_t)err_len, "recorder: %s: %s", r->dir, strerror(-status));
 		recorder_close(r);
@@ -96,20 +113,6 @@ int recorder_open(const struct recorder_params *p, struct recorder **ret, char *
 void recorder_frame(struct recorder *r, const struct bus_frame *f)
 {
 	ring_put(r->frames, f);
-}
-
-uint64_t recorder_result_hash(const struct mc_result *res)
-{
-	uint64_t h = hash_u64(hash_u64(HASH_START, res->n), res->floored);
-
-	for (uint32_t i = 0; i < res->n_futures && i < MC_FUTURES_MAX; i++) {
-		const struct mc_risk *k = &res->risk[i];
-
-		h = hash_u64(hash_u64(h, k->hits), k->undecided);
-		h = hash_f64(hash_f64(h, k->lo), k->hi);
-		h = k->hits ? hash_f64(h, k->impact_mps) : h; /* NaN has many faces */
-	}
-	return h;
 }
 
 void recorder_evaluation(struct recorder *r, int64_t t_ns, const struct mc_request *req,
@@ -125,26 +128,101 @@ void recorder_evaluation(struct recorder *r, int64_t t_ns, const struct mc_reque
 
 void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns)
 {
-	int64_t none = 0;
+	const struct trigger t = {.t_ns = t_ns, .why = why};
 
-	if (__atomic_load_n(&r->event_ns, __ATOMIC_RELAXED) == 0) {
-		__atomic_store_n(&r->event_why, (int)why, __ATOMIC_RELAXED);
-		__atomic_compare_exchange_n(&r->event_ns, &none, t_ns, 0, __ATOMIC_RELEASE,
-					    __ATOMIC_RELAXED);
+	ring_put(r->triggers, &t);
+}
+
+/* ---- which triggers are one event (housekeeping thread) --------------------------------------------- */
+
+static void add(struct recorder *r, const struct trigger *t)
+{
+	struct event *e = &r->event;
+	struct tally *of = &e->of[t->why];
+
+	if (!e->open) {
+		e->first_ns = t->t_ns;
+		e->from_ns = e->complete_ns = t->t_ns - r->p.before_ns;
+	}
+	if (!e->open || e->name == RECORDER_MISS) {
+		e->name = (enum recorder_reason)t->why;
+	}
+	e->open = 1;
+	e->to_ns = t->t_ns + r->p.after_ns;
+	of->first_ns = of->n ? of->first_ns : t->t_ns;
+	of->last_ns = t->t_ns;
+	of->n++;
+}
+
+/* What belongs to the next event stays in the ring until this one is written. */
+static void take_triggers(struct recorder *r)
+{
+	struct event *e = &r->event;
+	struct trigger t;
+
+	for (; r->taken < ring_end(r->triggers); r->taken++) {
+		if (ring_get(r->triggers, r->taken, &t)) {
+			e->lost++;
+		} else if (!e->open || t.t_ns - e->first_ns <= RECORDER_TOGETHER_NS) {
+			add(r, &t);
+		} else {
+			return;
+		}
 	}
 }
 
 /* ---- files (housekeeping thread) -------------------------------------------------------------------- */
 
-static int write_frames(const struct recorder *r, FILE *f, int64_t from, int64_t to, int64_t offset)
+struct cursor {
+	const struct ring *ring;
+	uint64_t next, end;
+	int gone; /* what was before is overwritten */
+};
+
+static struct cursor start(const struct ring *ring)
 {
+	const uint64_t next = ring_begin(ring);
+
+	return (struct cursor){.ring = ring, .next = next, .end = ring_end(ring), .gone = next > 0};
+}
+
+static void note_gap(struct event *e, int64_t until_ns)
+{
+	e->complete_ns = until_ns > e->complete_ns ? until_ns : e->complete_ns;
+}
+
+/* 1 with the next entry of the event's time, 0 at the end. */
+static int next(struct event *e, struct cursor *c, void *entry)
+{
+	int64_t t_ns;
+
+	while (c->next < c->end) {
+		if (ring_get(c->ring, c->next++, entry)) {
+			c->gone = 1;
+			continue;
+		}
+		memcpy(&t_ns, entry, sizeof(t_ns));
+		if (c->gone) {
+			note_gap(e, t_ns);
+		}
+		c->gone = 0;
+		if (t_ns >= e->from_ns && t_ns <= e->to_ns) {
+			return 1;
+		}
+	}
+	if (c->gone) {
+		note_gap(e, e->to_ns);
+	}
+	return 0;
+}
+
+static int write_frames(struct recorder *r, FILE *f, int64_t offset)
+{
+	struct cursor c = start(r->frames);
 	struct bus_frame fr;
 	char line[256];
 
-	for (uint64_t i = ring_begin(r->frames); i < ring_end(r->frames); i++) {
-		if (ring_get(r->frames, i, &fr) || fr.t_ns < from || fr.t_ns > to) {
-			continue;
-		}
+	while (next(&r->event, &c, &fr)) {
 		fr.t_ns += offset;
 		bus_log_format(&fr, r->iface[fr.iface % BUS_IFACES_MAX], line, sizeof(line));
 		fprintf(f, "%s\n", line);
@@ -152,74 +230,29 @@ static int write_frames(const struct recorder *r, FILE *f, int64_t from, int64_t
 	return ferror(f) ? -EIO : 0;
 }
 
-void recorder_write_head(FILE *f)
+static int write_requests(struct recorder *r, FILE *f, int64_t offset)
 {
-	fprintf(f, "# aebmc requests 1: (time) hash of request, hash of result, %zu words\n",
-		sizeof(struct mc_request) / 4);
-}
-
-/* Readable by recorder_parse() on any little-endian machine. */
-void recorder_write(FILE *f, int64_t t_ns, const struct mc_request *req, uint64_t result_hash)
-{
-	uint32_t word[sizeof(struct mc_request) / 4];
-
-	memcpy(word, req, sizeof(*req));
-	fprintf(f, "(%010" PRId64 ".%06" PRId64 ") %016" PRIx64 " %016" PRIx64, t_ns / 1000000000,
-		t_ns / 1000 % 1000000, mc_request_hash(req), result_hash);
-	for (size_t i = 0; i < sizeof(word) / sizeof(word[0]); i++) {
-		fprintf(f, " %x", word[i]);
-	}
-	fputc('\n', f);
-}
-
-static int write_requests(const struct recorder *r, FILE *f, int64_t from, int64_t to,
-			  int64_t offset)
-{
+	const struct tally *of = r->event.of;
+	struct cursor c = start(r->evaluations);
 	struct evaluation e;
 
 	recorder_write_head(f);
-	for (uint64_t i = ring_begin(r->evaluations); i < ring_end(r->evaluations); i++) {
-		if (!ring_get(r->evaluations, i, &e) && e.t_ns >= from && e.t_ns <= to) {
-			recorder_write(f, e.t_ns + offset, &e.req, e.result_hash);
+	for (int i = 0; i < RECORDER_REASONS; i++) {
+		if (of[i].n) {
+			recorder_write_reason(f, (enum recorder_reason)i, of[i].n,
+					      of[i].first_ns + offset, of[i].last_ns + offset);
 		}
+	}
+	while (next(&r->event, &c, &e)) {
+		recorder_write(f, e.t_ns + offset, &e.req, e.result_hash);
 	}
 	return ferror(f) ? -EIO : 0;
 }
 
-int recorder_parse(const char *line, struct mc_request *req, uint64_t *result_hash)
-{
-	uint32_t word[sizeof(struct mc_request) / 4];
-	uint64_t hash, result;
-	struct mc_request q;
-	int at = 0, step;
-
-	if (line[strspn(line, " \t\r\n")] == '\0' || line[0] == '#') {
-		return -ENOMSG;
-	}
-	if (sscanf(line, "(%*d.%*d) %" SCNx64 " %" SCNx64 "%n", &hash, &result, &at) != 2 || !at) {
-		return -EBADMSG;
-	}
-	for (size_t i = 0; i < sizeof(word) / sizeof(word[0]); i++) {
-		if (sscanf(line + at, " %8" SCNx32 "%n", &word[i], &step) != 1) {
-			return -EBADMSG;
-		}
-		at += step;
-	}
-	memcpy(&q, word, sizeof(q));
-	if (line[at + (int)strspn(line + at, " \r\n")] != '\0' || mc_check(&q) ||
-	    mc_request_hash(&q) != hash) {
-		return -EBADMSG;
-	}
-	*req = q;
-	*result_hash = result;
-	return 0;
-}
-
-typedef int writer(const struct recorder *r, FILE *f, int64_t from, int64_t to, int64_t offset);
+typedef int writer(struct recorder *r, FILE *f, int64_t offset);
 
 /* Written beside and renamed, so that a reader never finds half a file. */
-static int write_file(const struct recorder *r, const char *path, writer *w, int64_t t,
-		      int64_t offset)
+static int write_file(struct recorder *r, const char *path, writer *w, int64_t offset)
 {
 	char part[RECORDER_PATH_MAX + 8];
 	FILE *f;
@@ -230,7 +263,7 @@ static int write_file(const struct recorder *r, const char *path, writer *w, int
 	if (!f) {
 		return -errno;
 	}
-	ret = w(r, f, t - r->p.before_ns, t + r->p.after_ns, offset);
+	ret = w(r, f, offset);
 	if (fclose(f) || ret) {
 		ret = errno ? -errno : -EIO;
 	} else if (rename(part, path)) {
@@ -247,6 +280,13 @@ static int by_name(const struct dirent *e)
 	return strncmp(e->d_name, PREFIX, strlen(PREFIX)) == 0;
 }
 
+static uint64_t size_of(const char *path)
+{
+	struct stat st;
+
+	return stat(path, &st) ? 0 : (uint64_t)st.st_size;
+}
+
 /* Names carry the serial number, zero-padded: sorted by name is sorted by age. */
 static void remove_oldest(const struct recorder *r)
 {
@@ -256,10 +296,9 @@ static void remove_oldest(const struct recorder *r)
 
 	for (int i = n - 1; i >= 0; i--) {
 		char path[sizeof(r->dir) + 256 + 1];
-		struct stat st;
 
 		snprintf(path, sizeof(path), "%s/%s", r->dir, e[i]->d_name);
-		total += stat(path, &st) ? 0 : (uint64_t)st.st_size;
+		total += size_of(path);
 		if (total > r->p.bytes_max) {
 			unlink(path);
 		}
@@ -268,9 +307,9 @@ static void remove_oldest(const struct recorder *r)
 	free(e);
 }
 
-static int write_event(struct recorder *r, int64_t t, int64_t offset, char path[RECORDER_PATH_MAX])
+static int write_event(struct recorder *r, int64_t offset, char path[RECORDER_PATH_MAX])
 {
-	const char *why = recorder_reason_name[__atomic_load_n(&r->event_why, __ATOMIC_RELAXED)];
+	const char *why = recorder_reason_name[r->event.name];
 	char requests[RECORDER_PATH_MAX];
 	int ret;
 
@@ -278,12 +317,14 @@ static int write_event(struct recorder *r, int64_t t, int64_t offset, char path[
 	snprintf(path, RECORDER_PATH_MAX, "%s/" PREFIX "%06u-%s.log", r->dir, r->serial, why);
 	snprintf(requests, sizeof(requests), "%s/" PREFIX "%06u-%s.requests", r->dir, r->serial,
 		 why);
-	ret = write_file(r, path, write_frames, t, offset);
-	if (!ret) {
-		ret = write_file(r, requests, write_requests, t, offset);
+	ret = write_file(r, path, write_frames, offset);
+	ret = ret ? ret : write_file(r, requests, write_requests, offset);
+	if (!ret && size_of(path) + size_of(requests) > r->p.bytes_max) {
+		ret = -EFBIG; /* to make room for it would remove all the others, and then it */
 	}
 	if (ret) {
 		unlink(path);
+		unlink(requests);
 	}
 	remove_oldest(r);
 	return ret ? ret : 1;
@@ -292,15 +333,45 @@ static int write_event(struct recorder *r, int64_t t, int64_t offset, char path[
 int recorder_service(struct recorder *r, int64_t now_ns, int64_t real_minus_mono_ns, int finish,
 		     char path[RECORDER_PATH_MAX])
 {
-	const int64_t t = __atomic_load_n(&r->event_ns, __ATOMIC_ACQUIRE);
 	int ret;
 
-	if (!t || (now_ns < t + r->p.after_ns && !finish)) {
+	take_triggers(r);
+	if (!r->event.open || (now_ns < r->event.to_ns && !finish)) {
 		return 0;
 	}
-	ret = write_event(r, t, real_minus_mono_ns, path);
-	__atomic_store_n(&r->event_ns, 0, __ATOMIC_RELEASE);
+	ret = write_event(r, real_minus_mono_ns, path);
+	r->last = r->event;
+	r->event = (struct event){0};
 	return ret;
+}
+
+int recorder_words(const struct recorder *r, char *line, int size)
+{
+	const struct event *e = &r->last;
+	const int64_t missing_ns = clock_earlier(e->complete_ns, e->to_ns) - e->from_ns;
+	FILE *f = fmemopen(line, (size_t)size, "w");
+	const char *comma = "";
+
+	line[0] = '\0';
+	if (!f) {
+		return 0;
+	}
+	for (int i = 0; i < RECORDER_REASONS; i++) {
+		if (e->of[i].n) {
+			fprintf(f, "%s%" PRIu64 " %s", comma, e->of[i].n, recorder_reason_name[i]);
+			comma = ", ";
+		}
+	}
+	if (missing_ns > 0) {
+		fprintf(f, "; the first %.1f s are incomplete, memory holds no more",
+			(double)missing_ns / CLOCK_NS_PER_S);
+	}
+	if (e->lost) {
+		fprintf(f, "; %" PRIu64 " triggers before were lost, the disk is too slow",
+			e->lost);
+	}
+	fclose(f);
+	return missing_ns > 0 || e->lost;
 }
 
 void recorder_close(struct recorder *r)
@@ -308,6 +379,7 @@ void recorder_close(struct recorder *r)
 	if (r) {
 		ring_close(r->frames);
 		ring_close(r->evaluations);
+		ring_close(r->triggers);
 		free(r);
 	}
 }

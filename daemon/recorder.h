@@ -13,6 +13,9 @@
 #define RECORDER_DIR_MAX  400
 #define RECORDER_PATH_MAX 512
 
+/* From an event's first trigger to its last at most: memory must hold what is before the first until it is written. */
+#define RECORDER_TOGETHER_NS (30LL * 1000000000)
+
 enum recorder_reason {
 	RECORDER_WARN,
 	RECORDER_REQUEST,
@@ -34,7 +37,8 @@ struct recorder_params {
 
 struct recorder;
 
-/** recorder_open - allocates rings for the longest event; finds the number of the last event in the folder. 0 or -errno, @err says why. */
+/** recorder_open - allocates what the longest event needs; finds the number of the last event in the folder. 0 or -errno,
+ * @err says why. */
 int recorder_open(const struct recorder_params *p, struct recorder **ret, char *err, int err_len);
 
 /** recorder_frame - keep a frame. Real-time thread; no allocation, no system call. */
@@ -44,19 +48,25 @@ void recorder_frame(struct recorder *r, const struct bus_frame *f);
 void recorder_evaluation(struct recorder *r, int64_t t_ns, const struct mc_request *req,
 			 const struct mc_result *res);
 
-/** recorder_trigger - something happened at @t_ns. One event is open at a time: what comes during it belongs to it. Any
- * thread; no system call. */
+/** recorder_trigger - something happened at @t_ns. What comes before the time after is over makes the event longer, by
+ * RECORDER_TOGETHER_NS at most; what comes later than that begins the next one, with its own time before. Real-time
+ * thread. */
 void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns);
 
 /**
- * recorder_service - write the open event once its time after is over (or @finish)
+ * recorder_service - write the event whose time after is over (or @finish)
  * @real_minus_mono_ns: what turns a frame's time into that of the log
- * @path: receives the log's path [RECORDER_PATH_MAX] when one was written
- * One thread alone; blocks on the file system. Returns 1 if an event was written, 0 if none was due, -errno (the
- * event is lost, the partial file removed).
+ * @path: receives the log's path [RECORDER_PATH_MAX] when one was due; its name carries the first reason, that of a miss
+ *        only where there is no other. The .requests file beside it begins with all of them.
+ * One thread alone; blocks on the file system. Returns 1 if an event was written (call again: the next one may be due),
+ * 0 if none was due, -errno (the event is lost, the partial file removed; -EFBIG: larger than all may be together).
  */
 int recorder_service(struct recorder *r, int64_t now_ns, int64_t real_minus_mono_ns, int finish,
 		     char path[RECORDER_PATH_MAX]);
+
+/** recorder_words - what the last event due was of and what is missing from it: "1 warn, 2 request". Service thread.
+ * Returns 1 if something is missing. */
+int recorder_words(const struct recorder *r, char *line, int size);
 
 void recorder_close(struct recorder *r); /* NULL is fine */
 
@@ -67,6 +77,10 @@ uint64_t recorder_result_hash(const struct mc_result *res);
  * hash; @t_ns is what the line names as its time. Write errors stay in ferror(@f). */
 void recorder_write_head(FILE *f);
 void recorder_write(FILE *f, int64_t t_ns, const struct mc_request *req, uint64_t result_hash);
+
+/** recorder_write_reason - a comment of such a file: @n triggers of a kind, the first and the last of them. */
+void recorder_write_reason(FILE *f, enum recorder_reason why, uint64_t n, int64_t first_ns,
+			   int64_t last_ns);
 
 /**
  * recorder_parse - one line of a .requests file

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * The event recorder: what is written around an event, what is removed, what a disk without room does, and that a
- * recorded request reads back whole or not at all.
+ * The event recorder: what is written around an event, that no trigger goes without its time before and after or without
+ * a word, what is removed, what a disk without room does, and that a recorded request reads back whole or not at all.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -10,6 +10,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -95,6 +96,7 @@ static void put_second(struct recorder *r, int64_t t)
 	put(r, t * S);
 }
 
+/* Lines with @needle; comments only if it is one. */
 static int count_lines(const char *path, const char *needle)
 {
 	FILE *f = fopen(path, "r");
@@ -103,10 +105,18 @@ static int count_lines(const char *path, const char *needle)
 
 	assert_non_null(f);
 	while (fgets(line, sizeof(line), f)) {
-		n += strstr(line, needle) != NULL;
+		n += strstr(line, needle) && (line[0] == '#') == (needle[0] == '#');
 	}
 	fclose(f);
 	return n;
+}
+
+static const char *words(const struct recorder *r, int missing)
+{
+	static char line[256];
+
+	assert_int_equal(recorder_words(r, line, sizeof(line)), missing);
+	return line;
 }
 
 static char *requests_of(const char *log)
@@ -127,7 +137,6 @@ static void test_writes_what_came_before_and_after(void **state)
 		put_second(r, t);
 		if (t == 50) {
 			recorder_trigger(r, RECORDER_WARN, t * S);
-			recorder_trigger(r, RECORDER_MISS, t * S); /* belongs to the open event */
 		}
 		assert_int_equal(recorder_service(r, t * S, 1000 * S, 0, path), t == 60 ? 1 : 0);
 	}
@@ -154,17 +163,297 @@ static void test_memory_holds_what_is_promised(void **state)
 	char path[RECORDER_PATH_MAX];
 
 	(void)state;
-	for (int64_t t_ns = S; t_ns <= 260 * S; t_ns += 50 * MS) {
+	for (int64_t t_ns = S; t_ns <= 290 * S; t_ns += 50 * MS) {
 		put(r, t_ns);
-		if (t_ns == 200 * S) {
+		if (t_ns == 200 * S || t_ns == 230 * S) {
 			recorder_trigger(r, RECORDER_WARN, t_ns);
 		}
 	}
-	assert_int_equal(recorder_service(r, 261 * S, 0, 0, path), 1);
-	assert_int_equal(count_lines(path, "100#AB"), 90 * 20 + 1);
-	assert_int_equal(count_lines(requests_of(path), "(0000000"), 90 * 20 + 1);
+	assert_int_equal(recorder_service(r, 292 * S, 0, 0, path), 1);
+	assert_int_equal(count_lines(path, "100#AB"), 120 * 20 + 1);
+	assert_int_equal(count_lines(requests_of(path), "(0000000"), 120 * 20 + 1);
 	assert_int_equal(count_lines(requests_of(path), "(0000000170.000000)"), 1);
+	assert_string_equal(words(r, 0), "2 warn");
 	recorder_close(r);
+}
+
+static void test_more_than_was_announced_is_said(void **state)
+{
+	struct recorder *r = open_recorder(1 << 20); /* 64 entries */
+	char path[RECORDER_PATH_MAX];
+
+	(void)state;
+	for (int64_t t_ns = 100 * S; t_ns <= 140 * S; t_ns += S / 4) {
+		put(r, t_ns);
+		if (t_ns == 130 * S) {
+			recorder_trigger(r, RECORDER_MARK, t_ns);
+		}
+	}
+	assert_int_equal(recorder_service(r, 140 * S, 0, 0, path), 1);
+	assert_int_equal(count_lines(path, "100#AB"), 64);
+	assert_string_equal(words(r, 1),
+			    "1 mark; the first 14.2 s are incomplete, memory holds no more");
+	recorder_trigger(r, RECORDER_MARK, 190 * S);
+	for (int64_t t_ns = 170 * S; t_ns <= 200 * S; t_ns += S) {
+		put(r, t_ns);
+	}
+	assert_int_equal(recorder_service(r, 200 * S, 0, 0, path), 1);
+	assert_string_equal(words(r, 0), "1 mark");
+	recorder_close(r);
+}
+
+/* ---- more than one trigger ----------------------------------------------------------------------------------- */
+
+struct step {
+	int64_t t;
+	enum recorder_reason why;
+};
+
+/* Seconds from 1 to @until with @n steps in them, served each; how many events were written: their paths. */
+static int run(struct recorder *r, const struct step *step, int n, int64_t until,
+	       char path[][RECORDER_PATH_MAX])
+{
+	int events = 0;
+
+	for (int64_t t = 1; t <= until; t++) {
+		put_second(r, t);
+		for (; n && step->t == t; n--, step++) {
+			recorder_trigger(r, step->why, t * S);
+		}
+		while (recorder_service(r, t * S, 0, 0, path[events])) {
+			events++;
+		}
+	}
+	assert_int_equal(n, 0);
+	return events;
+}
+
+static void test_a_later_trigger_makes_the_event_longer(void **state)
+{
+	static const struct step step[] = {{30, RECORDER_WARN}, {39, RECORDER_REQUEST}};
+	struct recorder *r = open_recorder(1 << 20);
+	char path[2][RECORDER_PATH_MAX];
+
+	(void)state;
+	assert_int_equal(run(r, step, 2, 60, path), 1);
+	assert_non_null(strstr(path[0], "/event-000001-warn.log"));
+	assert_int_equal(count_lines(path[0], "100#AB"), 49 - 10 + 1);
+	assert_int_equal(count_lines(path[0], "(0000000010.000000)"), 1);
+	assert_int_equal(count_lines(requests_of(path[0]), "(0000000"), 49 - 10 + 1);
+	assert_int_equal(count_lines(requests_of(path[0]),
+				     "# 1 warn: (0000000030.000000) to (0000000030.000000)\n"),
+			 1);
+	assert_int_equal(count_lines(requests_of(path[0]),
+				     "# 1 request: (0000000039.000000) to (0000000039.000000)\n"),
+			 1);
+	assert_string_equal(words(r, 0), "1 warn, 1 request");
+	recorder_close(r);
+}
+
+static void test_what_memory_cannot_hold_is_the_next_event(void **state)
+{
+	static const struct step step[] = {{30, RECORDER_WARN}, {39, RECORDER_MISS},
+					   {48, RECORDER_MISS}, {57, RECORDER_MISS},
+					   {60, RECORDER_MISS}, {61, RECORDER_MARK}};
+	struct recorder *r = open_recorder(1 << 20);
+	char path[3][RECORDER_PATH_MAX];
+
+	(void)state;
+	assert_int_equal(run(r, step, 6, 90, path), 2);
+	assert_non_null(strstr(path[0], "/event-000001-warn.log"));
+	assert_int_equal(count_lines(path[0], "100#AB"), 70 - 10 + 1);
+	assert_int_equal(count_lines(requests_of(path[0]),
+				     "# 4 miss: (0000000039.000000) to (0000000060.000000)\n"),
+			 1);
+	assert_non_null(strstr(path[1], "/event-000002-mark.log"));
+	assert_int_equal(count_lines(path[1], "100#AB"), 71 - 41 + 1);
+	assert_int_equal(count_lines(path[1], "(0000000041.000000)"), 1);
+	assert_string_equal(words(r, 0), "1 mark");
+	recorder_close(r);
+}
+
+static void test_a_miss_gives_its_name_to_another_reason(void **state)
+{
+	static const struct step step[] = {
+		{30, RECORDER_MISS}, {31, RECORDER_FAULT}, {32, RECORDER_WARN}};
+	struct recorder *r = open_recorder(1 << 20);
+	char path[2][RECORDER_PATH_MAX];
+
+	(void)state;
+	assert_int_equal(run(r, step, 3, 50, path), 1);
+	assert_non_null(strstr(path[0], "-fault.log"));
+	recorder_close(r);
+}
+
+/* At exit there may be two: the open one and what waits behind it. */
+static void test_all_is_written_at_exit(void **state)
+{
+	static const struct step step[] = {
+		{30, RECORDER_WARN}, {39, RECORDER_MISS}, {59, RECORDER_MISS}, {61, RECORDER_MARK}};
+	struct recorder *r = open_with(20 * S, 60 * S, 1, 1 << 20);
+	char path[RECORDER_PATH_MAX];
+
+	(void)state;
+	assert_int_equal(run(r, step, 4, 61, &path), 0);
+	assert_int_equal(recorder_service(r, 61 * S, 0, 1, path), 1);
+	assert_non_null(strstr(path, "-warn.log"));
+	assert_int_equal(recorder_service(r, 61 * S, 0, 1, path), 1);
+	assert_non_null(strstr(path, "-mark.log"));
+	assert_int_equal(recorder_service(r, 61 * S, 0, 1, path), 0);
+	recorder_close(r);
+}
+
+/* Of 900 seconds, which were triggers and are wholly within an event. */
+struct kept {
+	unsigned seed;
+	int event[900], triggered[900], covered[900];
+};
+
+static void look_at_event(struct kept *k, const struct recorder *r, const char *path)
+{
+	const int from = (int)(r->last.from_ns / S), to = (int)(r->last.to_ns / S);
+
+	assert_int_equal(count_lines(path, "100#AB"), to - from + 1);
+	assert_int_equal(count_lines(requests_of(path), "(0000000"), to - from + 1);
+	for (int t = from + 20; t <= to - 10; t++) {
+		k->covered[t] = 1;
+	}
+}
+
+static unsigned draw(struct kept *k, unsigned n)
+{
+	k->seed = k->seed * 1664525 + 1013904223;
+	return (k->seed >> 16) % n;
+}
+
+/* Whatever the triggers and whenever the writer comes, a second late at most. */
+static void check_no_trigger_goes_without(unsigned seed, unsigned rarity)
+{
+	struct recorder *r = open_recorder(1 << 30);
+	struct kept k = {.seed = seed};
+	char path[RECORDER_PATH_MAX];
+
+	for (int t = 1; t < 900; t++) {
+		put_second(r, t);
+		if (t > 20 && t < 800 && draw(&k, rarity) == 0) {
+			k.triggered[t] = 1;
+			recorder_trigger(r, (enum recorder_reason)draw(&k, RECORDER_REASONS),
+					 t * S);
+		}
+		while ((t % 2 || draw(&k, 2)) && recorder_service(r, t * S, 0, 0, path)) {
+			look_at_event(&k, r, path);
+			words(r, 0);
+		}
+	}
+	for (int t = 0; t < 900; t++) {
+		assert_true(k.covered[t] || !k.triggered[t]);
+	}
+	recorder_close(r);
+}
+
+static void test_no_trigger_goes_without(void **state)
+{
+	(void)state;
+	for (unsigned seed = 1; seed <= 10; seed++) {
+		check_no_trigger_goes_without(seed, 1);
+		check_no_trigger_goes_without(seed, 8);
+		check_no_trigger_goes_without(seed, 40);
+	}
+}
+
+/* 20 a second for five minutes, with a mark among them. */
+static void test_a_flood_hides_nothing(void **state)
+{
+	struct recorder *r = open_recorder(1 << 20);
+	char path[RECORDER_PATH_MAX];
+	uint64_t misses = 0;
+	int events = 0, marks = 0;
+
+	(void)state;
+	for (int64_t t = 1; t <= 400; t++) {
+		put_second(r, t);
+		for (int i = 0; i < 20 && t > 30 && t <= 330; i++) {
+			recorder_trigger(r, RECORDER_MISS, t * S);
+		}
+		if (t == 137) {
+			recorder_trigger(r, RECORDER_MARK, t * S);
+		}
+		if (recorder_service(r, t * S, 0, 0, path)) {
+			events++;
+			misses += r->last.of[RECORDER_MISS].n;
+			marks += strstr(path, "-mark.log") != NULL;
+		}
+	}
+	assert_int_equal(events, 10);
+	assert_int_equal(misses, 300 * 20);
+	assert_int_equal(marks, 1);
+	recorder_close(r);
+}
+
+static void test_lost_triggers_are_counted(void **state)
+{
+	struct recorder *r = open_recorder(1 << 20);
+	char path[RECORDER_PATH_MAX];
+
+	(void)state;
+	for (int i = 0; i < 20000; i++) {
+		recorder_trigger(r, RECORDER_MISS, 30 * S);
+	}
+	assert_int_equal(recorder_service(r, 40 * S, 0, 0, path), 1);
+	assert_string_equal(words(r, 1),
+			    "16384 miss; 3616 triggers before were lost, the disk is too slow");
+	recorder_trigger(r, RECORDER_MISS, 50 * S);
+	assert_int_equal(recorder_service(r, 60 * S, 0, 0, path), 1);
+	assert_string_equal(words(r, 0), "1 miss");
+	recorder_close(r);
+}
+
+/* ---- two threads ------------------------------------------------------------------------------------------------ */
+
+#define RACE_S 4000
+
+struct race {
+	struct recorder *r;
+	int64_t t; /* atomic: seconds put */
+};
+
+static void *put_all(void *arg)
+{
+	struct race *x = arg;
+
+	for (int64_t t = 1; t <= RACE_S; t++) {
+		put_second(x->r, t);
+		recorder_trigger(x->r, (enum recorder_reason)(t % RECORDER_REASONS), t * S);
+		__atomic_store_n(&x->t, t, __ATOMIC_RELEASE);
+	}
+	return NULL;
+}
+
+/* A writer that cannot keep up loses nothing without a word. */
+static void test_a_race_loses_no_trigger_unsaid(void **state)
+{
+	struct race x = {.r = open_recorder(1 << 20)};
+	char path[RECORDER_PATH_MAX];
+	uint64_t triggers = 0;
+	pthread_t thread;
+
+	(void)state;
+	assert_int_equal(pthread_create(&thread, NULL, put_all, &x), 0);
+	while (triggers < RACE_S) {
+		const int64_t t = __atomic_load_n(&x.t, __ATOMIC_ACQUIRE);
+
+		if (recorder_service(x.r, t * S, 0, t == RACE_S, path)) {
+			for (int i = 0; i < RECORDER_REASONS; i++) {
+				triggers += x.r->last.of[i].n;
+			}
+			triggers += x.r->last.lost;
+			assert_true(x.r->last.complete_ns > x.r->last.from_ns ||
+				    count_lines(path, "100#AB") >= 1);
+		}
+	}
+	assert_int_equal(triggers, RACE_S);
+	pthread_join(thread, NULL);
+	recorder_close(x.r);
 }
 
 static void test_oldest_events_are_removed(void **state)
@@ -198,6 +487,29 @@ static void test_oldest_events_are_removed(void **state)
 	recorder_close(r);
 }
 
+/* The bound keeps what is there, not what would not fit alone. */
+static void test_an_event_larger_than_the_bound(void **state)
+{
+	struct recorder *r = open_recorder(3000);
+	char first[RECORDER_PATH_MAX], path[RECORDER_PATH_MAX];
+
+	(void)state;
+	put_second(r, 1000);
+	recorder_trigger(r, RECORDER_FAULT, 1000 * S);
+	assert_int_equal(recorder_service(r, 1010 * S, 0, 0, first), 1);
+	for (int64_t t = 2000; t <= 2030; t++) {
+		put_second(r, t);
+	}
+	recorder_trigger(r, RECORDER_MARK, 2020 * S);
+	assert_int_equal(recorder_service(r, 2030 * S, 0, 0, path), -EFBIG);
+	assert_string_equal(words(r, 0), "1 mark");
+	assert_int_equal(access(path, F_OK), -1);
+	assert_int_equal(access(requests_of(path), F_OK), -1);
+	assert_int_equal(access(first, F_OK), 0);
+	assert_int_equal(access(requests_of(first), F_OK), 0);
+	recorder_close(r);
+}
+
 static void test_a_failed_write_leaves_no_partial_file(void **state)
 {
 	struct recorder *r = open_recorder(1 << 20);
@@ -228,7 +540,7 @@ static void test_open_says_what_is_wrong(void **state)
 	assert_int_equal(recorder_open(&p, &r, err, sizeof(err)), -ENOENT);
 	assert_non_null(strstr(err, "/nonexistent/x"));
 	p.dir = dir;
-	for (int i = 1; i <= 2; i++) {
+	for (int i = 1; i <= 3; i++) {
 		scarce = i;
 		assert_int_equal(recorder_open(&p, &r, err, sizeof(err)), -ENOMEM);
 		assert_non_null(strstr(err, dir));
@@ -251,6 +563,9 @@ static void test_requests_read_back(void **state)
 	assert_int_equal(recorder_service(r, 0, 0, 1, path), 1);
 	f = fopen(requests_of(path), "r");
 	assert_non_null(fgets(line, sizeof(line), f));
+	assert_int_equal(recorder_parse(line, &req, &hash), -ENOMSG);
+	assert_non_null(fgets(line, sizeof(line), f));
+	assert_string_equal(line, "# 1 mark: (0000000007.000000) to (0000000007.000000)\n");
 	assert_int_equal(recorder_parse(line, &req, &hash), -ENOMSG);
 	assert_non_null(fgets(line, sizeof(line), f));
 	fclose(f);
@@ -283,6 +598,23 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_writes_what_came_before_and_after, make_dir,
 						remove_dir),
 		cmocka_unit_test_setup_teardown(test_memory_holds_what_is_promised, make_dir,
+						remove_dir),
+		cmocka_unit_test_setup_teardown(test_more_than_was_announced_is_said, make_dir,
+						remove_dir),
+		cmocka_unit_test_setup_teardown(test_a_later_trigger_makes_the_event_longer,
+						make_dir, remove_dir),
+		cmocka_unit_test_setup_teardown(test_what_memory_cannot_hold_is_the_next_event,
+						make_dir, remove_dir),
+		cmocka_unit_test_setup_teardown(test_a_miss_gives_its_name_to_another_reason,
+						make_dir, remove_dir),
+		cmocka_unit_test_setup_teardown(test_all_is_written_at_exit, make_dir, remove_dir),
+		cmocka_unit_test_setup_teardown(test_no_trigger_goes_without, make_dir, remove_dir),
+		cmocka_unit_test_setup_teardown(test_a_flood_hides_nothing, make_dir, remove_dir),
+		cmocka_unit_test_setup_teardown(test_lost_triggers_are_counted, make_dir,
+						remove_dir),
+		cmocka_unit_test_setup_teardown(test_a_race_loses_no_trigger_unsaid, make_dir,
+						remove_dir),
+		cmocka_unit_test_setup_teardown(test_an_event_larger_than_the_bound, make_dir,
 						remove_dir),
 		cmocka_unit_test_setup_teardown(test_oldest_events_are_removed, make_dir,
 						remove_dir),

@@ -129,6 +129,15 @@ if "$python" -c 'import cantools' 2>/dev/null; then
 	planted id 'FAHRDYNAMIK: 0x18FEF118 does not come; nearest on can3 is 0x18FEF117' 'BO_ 2566844696'
 	planted twice 'FAHRDYNAMIK: its counter repeats in 50 %' 'second sender'
 	planted frozen 'FAHRDYNAMIK\.FAHRZEUG_GESCHW: stays at exactly 13\.8' 'ego_speed'
+	planted radar_frozen 'ZIEL_00 \(0x3A1\): its target stays at exactly 33\.3 m for 90 s, though the car drives.* \(and so: ZIEL_01 \(0x3A2\)\)$' 'radar or a gateway'
+	is "planted: radar_frozen: nothing good, and no doubt, is said of targets" \
+		"$(grep -cE '^(good|doubt) .*(ABSTAND|RELATIV_GESCHW|GUELTIG)' "$tmp/out")" 0
+	planted slots_frozen 'ZIEL_00 \(0x3A1\): its target stays at exactly .* \(and so: ZIEL_01 \(0x3A2\)\)$' 'radar or a gateway'
+	is "planted: slots_frozen: nothing good is said of distances" "$(grep -cE '^good .*(\.ABSTAND|GUELTIG)' "$tmp/out")" 0
+	strange parked
+	ok "a parked car is no mistake" "$AEBMC" inputs "$tmp/car.log" --config "$tmp/car.conf"
+	like "but in doubt" "$tmp/out" '^doubt .*ZIEL_00\.ABSTAND and 3 more'
+	is "parked: nothing good is said of distances" "$(grep -c '^good .*\.ABSTAND' "$tmp/out")" 0
 	planted invalid 'ZIEL_00\.GUELTIG and 3 more: .*turned round' 'valid. negate'
 else
 	skip "a car that nobody has seen" cantools

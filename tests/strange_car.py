@@ -57,6 +57,8 @@ WRONG = {
 }
 # What a counter in the log says at its n-th frame
 COUNTS = {"counter_repeats": lambda n: n // 2, "counter_still": lambda n: 5, "counter_skips": lambda n: 3 * n}
+# Targets of a radar that repeats itself
+FROZEN = [(33.3, 0.0, 0.1), (50.0, 0.0, 3.0)]
 SLOTS = 4
 
 
@@ -118,15 +120,22 @@ class Log:
             self.lines.append(line)
 
     def ego(self, t, d):
-        speed = 13.8 if self.plant == "frozen" else d.ego() + self.rng.gauss(0, 0.02)
+        speed = {"frozen": 13.8, "parked": 0.0}.get(self.plant, d.ego() + self.rng.gauss(0, 0.02))
         self.send(t, "can3", "FAHRDYNAMIK", ZAEHLER=self.count(self.counter) % 16, FAHRZEUG_GESCHW=speed * 3.6,
                   GIERRATE=math.degrees(d.yaw()), MotorSpeed=2000 + 50 * speed)
         self.counter += 1
 
+    def targets(self, d):
+        if self.plant in ("radar_frozen", "parked"):
+            return FROZEN + [None, None]
+        return FROZEN + d.targets()[2:] if self.plant == "slots_frozen" else d.targets()
+
     def scan(self, t, d):
-        for i, target in enumerate(d.targets()):
+        for i, target in enumerate(self.targets(d)):
             name = "ZIEL_%02d" % i
-            if target:
+            if target in FROZEN:
+                self.send(t + i * self.spread * 1e-3, "can7", name, GUELTIG=1, ABSTAND=target[0], QUER_ABSTAND=target[2])
+            elif target:
                 self.send(t + i * self.spread * 1e-3, "can7", name, GUELTIG=int(self.plant != "invalid"), ABSTAND=target[0] +
                           self.rng.gauss(0, 0.1), RELATIV_GESCHW=target[1] + self.rng.gauss(0, 0.05),
                           QUER_ABSTAND=target[2] + self.rng.gauss(0, 0.05))
@@ -136,7 +145,8 @@ class Log:
 
 def main():
     p = argparse.ArgumentParser()
-    p.add_argument("--plant", choices=sorted(WRONG) + sorted(COUNTS) + ["twice", "frozen", "invalid"], default="none")
+    p.add_argument("--plant", choices=sorted(WRONG) + sorted(COUNTS) + ["twice", "frozen", "invalid", "radar_frozen", "slots_frozen",
+                                                                           "parked"], default="none")
     p.add_argument("--seconds", type=float, default=90)
     p.add_argument("--spread", type=float, default=0.4, help="ms from slot to slot")
     p.add_argument("--dbc", required=True)

@@ -213,7 +213,7 @@ void inputs_check_valid(struct inputs_judge *j)
 		inputs_say(j, INPUTS_DOUBT, spec, "never valid in %llu frames: no target",
 			   (unsigned long long)all);
 		inputs_change(j, "[signal valid] negate or from; or drive behind a car");
-	} else {
+	} else if (!inputs_still(in)) {
 		inputs_say(j, INPUTS_GOOD, spec, "%.0f %% of %llu frames hold a target",
 			   100 * inputs_share(in->valid, all), (unsigned long long)all);
 	}
@@ -262,7 +262,7 @@ void inputs_check_distance(struct inputs_judge *j)
 			   100 * inputs_share(in->full, in->targets));
 		inputs_change(j, "[signal distance] na = 0x%llX",
 			      (1ull << (distance_of(in)->sig->len % 64)) - 1);
-	} else {
+	} else if (!inputs_stuck(in, INPUTS_DISTANCE) && !inputs_still(in)) {
 		inputs_say(j, INPUTS_GOOD, spec, "%llu distances of targets, %.0f %% within %g m",
 			   (unsigned long long)in->targets,
 			   100 * (1 - inputs_share(in->beyond + in->full, in->targets)), limit);

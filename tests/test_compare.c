@@ -62,6 +62,60 @@ static void one_danger_is_one_partner(void **state)
 	compare_match_free(&d);
 }
 
+/* A's second warning begins within a second of B's first, but is on together with B's second. */
+static void the_longest_overlap_wins(void **state)
+{
+	struct compare_change a[] = {
+		{170, LEVEL_WARN}, {171, LEVEL_NONE}, {179.06, LEVEL_WARN}, {181.11, LEVEL_NONE}};
+	struct compare_change b[] = {{178.16, LEVEL_WARN}, {178.56, LEVEL_NONE},
+				     {179.01, LEVEL_WARN}, {181.11, LEVEL_NONE},
+				     {190, LEVEL_WARN},    {191, LEVEL_NONE}};
+	struct compare_run r[SIDES] = {run(a, N(a)), run(b, N(b))};
+	struct compare_diff d;
+
+	(void)state;
+	assert_int_equal(compare_match(r, KIND_WARNING, &d), 0);
+	assert_int_equal(d.partner[0], -1);
+	assert_int_equal(d.partner[1], 1);
+	assert_int_equal(d.lost, 1);
+	assert_int_equal(d.gained, 2);
+	assert_true(compare_is_gained(&d, 0) && !compare_is_gained(&d, 1));
+	compare_match_free(&d);
+	r[SIDE_A] = run(b, N(b));
+	r[SIDE_B] = run(a, N(a));
+	assert_int_equal(compare_match(r, KIND_WARNING, &d), 0); /* the same the other way round */
+	assert_int_equal(d.partner[0], -1);
+	assert_int_equal(d.partner[1], 1);
+	compare_match_free(&d);
+}
+
+/* One of two takes what both want; the other gets the next best. */
+static void the_better_claim_wins(void **state)
+{
+	struct compare_change a[] = {
+		{10, LEVEL_WARN}, {13, LEVEL_NONE}, {13.5, LEVEL_WARN}, {17, LEVEL_NONE}};
+	struct compare_change b[] = {
+		{10, LEVEL_WARN}, {10.5, LEVEL_NONE}, {11, LEVEL_WARN}, {17, LEVEL_NONE}};
+	struct compare_change near[] = {{29.2, LEVEL_WARN}, {29.3, LEVEL_NONE}, {29.5, LEVEL_WARN},
+					{29.6, LEVEL_NONE}, {30.7, LEVEL_WARN}, {30.8, LEVEL_NONE}};
+	struct compare_change one[] = {{30, LEVEL_WARN}, {30.4, LEVEL_NONE}};
+	const struct compare_run r[SIDES] = {run(a, N(a)), run(b, N(b))};
+	const struct compare_run s[SIDES] = {run(one, N(one)), run(near, N(near))};
+	struct compare_diff d;
+
+	(void)state;
+	assert_int_equal(compare_match(r, KIND_WARNING, &d), 0);
+	assert_int_equal(d.partner[0],
+			 0); /* 0.5 s of it; 2 s of the other, which has 3.5 s with a[1] */
+	assert_int_equal(d.partner[1], 1);
+	assert_int_equal(d.lost + d.gained, 0);
+	compare_match_free(&d);
+	assert_int_equal(compare_match(s, KIND_WARNING, &d), 0);
+	assert_int_equal(d.partner[0], 1); /* none overlaps: the nearest */
+	assert_int_equal(d.gained, 2);
+	compare_match_free(&d);
+}
+
 static int differs(struct compare_change *a, size_t n_a, struct compare_change *b, size_t n_b)
 {
 	struct compare_log l = {.run = {run(a, n_a), run(b, n_b)}};
@@ -99,6 +153,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test(spans_have_their_highest_stage),
 		cmocka_unit_test(one_danger_is_one_partner),
+		cmocka_unit_test(the_longest_overlap_wins),
+		cmocka_unit_test(the_better_claim_wins),
 		cmocka_unit_test(what_counts_as_a_difference),
 	};
 

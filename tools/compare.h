@@ -74,8 +74,8 @@ int compare_main(const char *name, const struct replay_args *a);
 /**
  * compare_match - spans of @kind of both runs and which belong together
  * @run: [SIDES]
- * Two belong together if they overlap or begin within a second of each other; each has one partner at most, in order of
- * time. Returns 0 or -ENOMEM with @d empty.
+ * Two belong together if they overlap or begin within a second of each other; each has one partner at most: of several the
+ * one it overlaps longest, else the one that begins nearest. Returns 0 or -ENOMEM with @d empty.
  */
 int compare_match(const struct compare_run *run, enum compare_kind kind, struct compare_diff *d);
 

@@ -2,6 +2,7 @@
  * Warnings and requests of two replays: which are the same, which were gained and lost.
  */
 #include <errno.h>
+#include <math.h>
 #include <stdlib.h>
 #include "compare.h"
 
@@ -33,29 +34,61 @@ static int find_spans(const struct compare_run *r, enum compare_kind kind,
 	return n;
 }
 
-static int belong(const struct compare_span *a, const struct compare_span *b)
+/* How well two go together: the time in which both are on, else how far apart they begin as a negative [s]; -INFINITY: not. */
+static double fit_s(const struct compare_span *a, const struct compare_span *b)
 {
-	const double apart = a->from_s - b->from_s;
+	const double both = fmin(a->to_s, b->to_s) - fmax(a->from_s, b->from_s);
+	const double apart = fabs(a->from_s - b->from_s);
 
-	return (a->from_s <= b->to_s && b->from_s <= a->to_s) ||
-	       (apart <= APART_S && apart >= -APART_S);
+	return both > 0 ? both : both == 0 || apart <= APART_S ? -apart : -INFINITY;
+}
+
+/* Which free one of the other side fits @i of @side best; -1: none. */
+static int best_for(const struct compare_diff *d, enum compare_side side, int i)
+{
+	const enum compare_side other = side == SIDE_A ? SIDE_B : SIDE_A;
+	double best = -INFINITY;
+	int at = -1;
+
+	for (int k = 0; k < d->n[other]; k++) {
+		const double fit = fit_s(&d->span[side][i], &d->span[other][k]);
+
+		if (fit > best && (side == SIDE_A ? compare_is_gained(d, k) : d->partner[k] < 0)) {
+			best = fit;
+			at = k;
+		}
+	}
+	return at;
+}
+
+/* Those that are best for each other, until there are none. */
+static int pair_some(struct compare_diff *d)
+{
+	int n = 0;
+
+	for (int i = 0; i < d->n[SIDE_A]; i++) {
+		const int k = d->partner[i] < 0 ? best_for(d, SIDE_A, i) : -1;
+
+		if (k >= 0 && best_for(d, SIDE_B, k) == i) {
+			d->partner[i] = k;
+			n++;
+		}
+	}
+	return n;
 }
 
 static void pair(struct compare_diff *d)
 {
-	int next = 0;
+	int n, pairs = 0;
 
 	for (int i = 0; i < d->n[SIDE_A]; i++) {
 		d->partner[i] = -1;
-		for (int k = next; k < d->n[SIDE_B] && d->partner[i] < 0; k++) {
-			if (belong(&d->span[SIDE_A][i], &d->span[SIDE_B][k])) {
-				d->partner[i] = k;
-				next = k + 1;
-			}
-		}
-		d->lost += d->partner[i] < 0;
 	}
-	d->gained = d->n[SIDE_B] - (d->n[SIDE_A] - d->lost);
+	while ((n = pair_some(d)) > 0) {
+		pairs += n;
+	}
+	d->lost = d->n[SIDE_A] - pairs;
+	d->gained = d->n[SIDE_B] - pairs;
 }
 
 int compare_match(const struct compare_run *run, enum compare_kind kind, struct compare_diff *d)

@@ -98,6 +98,41 @@ json "says that it is one" "$tmp/out" '(j["replay"] and j["cycles"] == 463 and j
 	j["stages"]["mc"]["p50_ms"] > 0.05 and len(j["evaluations"]) == 463 and j["request_frames"]["adds_up"])'
 json "with the risk" "$tmp/out" 'max(e["p"] for e in j["evaluations"]) > 0.9 and {e["level"] for e in j["evaluations"]} >= {"none", "full"}'
 
+# ---- two at once: one reads the first half of its log, the other all of its own, the first the rest
+mkfifo "$tmp/half"
+traced="$O/aebmcd --config $conf --set trace.provider=lttng --out /dev/null --log"
+ok "recorded" "$AEBMC" trace start --out "$tmp/two"
+$traced "$tmp/half" 2>/dev/null &
+first=$!
+exec 3>"$tmp/half"
+head -n 2000 "$tmp/brake.log" >&3 # more than a pipe holds
+$traced "$tmp/brake.log" 2>/dev/null &
+second=$!
+wait $second
+tail -n +2001 "$tmp/brake.log" >&3
+exec 3>&-
+wait $first
+ok "trace stop" "$AEBMC" trace stop
+refuses 1 "$AEBMC" report "$tmp/two"
+like "two at once, and which" "$tmp/err" \
+	"several processes in one trace, ($first \(463 evaluations\), $second|$second \(463 evaluations\), $first) \(463 evaluations\): choose one with --pid"
+for pid in $first $second; do
+	ok "one of them" "$AEBMC" report "$tmp/two" --pid "$pid" --json
+	json "is whole" "$tmp/out" 'j["cycles"] == len(j["evaluations"]) == 463 and j["request_frames"]["adds_up"]'
+done
+refuses 1 "$AEBMC" report "$tmp/two" --pid 1
+like "neither of them" "$tmp/err" "no process 1 in this trace, but $first "
+refuses 2 "$AEBMC" report "$tmp/two" --pid none
+
+# ---- one after the other: a daemon that was restarted is one story
+ok "recorded" "$AEBMC" trace start --out "$tmp/again"
+"$O/made-up-trace" >/dev/null
+"$O/made-up-trace" >/dev/null
+ok "trace stop" "$AEBMC" trace stop
+ok "report of a restart" "$AEBMC" report "$tmp/again" --json
+json "has both runs" "$tmp/out" '(j["cycles"] == 2 * 989 and j["misses"]["late"]["count"] == 2 and
+	j["request_frames"]["due"] == 5000 and j["request_frames"]["adds_up"])'
+
 # ---- damage
 files=$(dirname "$(find "$tmp/replay" -name metadata)")
 cp -r "$files" "$tmp/whole"

@@ -19,6 +19,7 @@ struct ctf_field {
 struct ctf_record {
 	const char *name; /* "aebmc:edge_SCAN" */
 	int64_t t_ns;     /* of the trace's clock, since its origin */
+	int64_t pid;      /* of context vpid; 0: not recorded */
 	int n;
 	struct ctf_field field[CTF_FIELDS_MAX];
 };

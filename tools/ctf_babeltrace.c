@@ -56,6 +56,20 @@ static void take_payload(struct ctf_record *r, const bt_field *payload)
 	}
 }
 
+static int64_t pid_of(const bt_event *e)
+{
+	const bt_field *context = bt_event_borrow_common_context_field_const(e);
+	const bt_field *pid =
+		context ? bt_field_structure_borrow_member_field_by_name_const(context, "vpid")
+			: NULL;
+	struct ctf_field f = {0};
+
+	if (pid) {
+		take_field(&f, pid);
+	}
+	return f.i;
+}
+
 static int take_event(struct reader *rd, const bt_message *m)
 {
 	const bt_event *e = bt_message_event_borrow_event_const(m);
@@ -65,6 +79,7 @@ static int take_event(struct reader *rd, const bt_message *m)
 	if (!r.name || bt_clock_snapshot_get_ns_from_origin(t, &r.t_ns)) {
 		return -EBADMSG;
 	}
+	r.pid = pid_of(e);
 	take_payload(&r, bt_event_borrow_payload_field_const(e));
 	return rd->event(rd->arg, &r);
 }

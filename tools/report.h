@@ -38,6 +38,13 @@ struct report_evaluation {
 	int level, state;
 };
 
+/* One that fired events; times of the tracer's clock. */
+struct report_process {
+	int64_t pid; /* 0: the session did not record it */
+	int64_t first_ns, last_ns;
+	uint64_t evaluations;
+};
+
 /* A yes or no for each evaluation, period or scan: how often yes, and how it clusters. */
 struct report_runs {
 	uint64_t n, misses, runs, longest;
@@ -56,12 +63,16 @@ enum report_sub { SUB_WAKE, SUB_BATCH, SUB_GPU, SUB_VERIFY, SUB_BACK, SUBS };
 extern const char *const report_sub_name[SUBS], *const report_sub_doc[SUBS];
 
 struct report {
+	int64_t pid; /* whose events to take; 0: all */
+
 	/* as read */
 	struct report_cycle *cycle;
 	struct report_miss *miss;
 	struct report_evaluation *evaluation;
-	size_t n_cycles, n_misses, n_evaluations;
-	size_t cycles_room, misses_room, evaluations_room;
+	struct report_process *process;
+	size_t n_cycles, n_misses, n_evaluations, n_processes;
+	size_t cycles_room, misses_room, evaluations_room, processes_room;
+	int64_t taken_pid; /* of the event before */
 	size_t run_start; /* first cycle of the daemon's present run: numbers begin anew with each */
 	uint64_t events, foreign, faults, states;
 	int64_t first_ns, last_ns; /* tracer's clock, which is the wall's */
@@ -82,6 +93,9 @@ struct report {
 
 /** report_event - take one event: a ctf_event with the report as @arg. 0 or -ENOMEM. Allocates. */
 int report_event(void *arg, const struct ctf_record *r);
+
+/** report_mixed - whether processes of this trace cannot be told as one: two at a time, or of replays any two. Pure. */
+int report_mixed(const struct report *r);
 
 /** report_figures - count, once all events are taken. 0 or -ENOMEM. Allocates. */
 int report_figures(struct report *r);

@@ -191,6 +191,20 @@ int report_figures(struct report *r)
 	return status ? status : find_worst(r);
 }
 
+/* ---- processes --------------------------------------------------------------------------------------------- */
+
+int report_mixed(const struct report *r)
+{
+	int mixed = r->replay && r->n_processes > 1;
+
+	for (size_t i = 1; i < r->n_processes; i++) {
+		for (size_t k = 0; k < i; k++) {
+			mixed |= r->process[i].first_ns < r->process[k].last_ns;
+		}
+	}
+	return mixed && !r->pid;
+}
+
 /* ---- the whole ------------------------------------------------------------------------------------------- */
 
 double report_seconds(const struct report *r)

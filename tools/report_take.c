@@ -247,9 +247,8 @@ static int take_row(struct report *r, const struct ctf_record *e, const char *na
 	return edge >= 0 ? take_edge(r, e, edge) : take_batch(r, e, batch);
 }
 
-int report_event(void *arg, const struct ctf_record *e)
+static int take(struct report *r, const struct ctf_record *e)
 {
-	struct report *r = arg;
 	const char *name = !strncmp(e->name, "aebmc:", 6) ? e->name + 6 : "";
 
 	r->first_ns = r->events ? r->first_ns : e->t_ns;
@@ -275,6 +274,43 @@ int report_event(void *arg, const struct ctf_record *e)
 	return 0;
 }
 
+static int take_process(struct report *r, const struct ctf_record *e)
+{
+	struct report_process *p;
+	size_t i = 0;
+
+	while (i < r->n_processes && r->process[i].pid != e->pid) {
+		i++;
+	}
+	if (i == r->n_processes) {
+		p = append((void **)&r->process, &r->n_processes, &r->processes_room, sizeof(*p));
+		if (!p) {
+			return -ENOMEM;
+		}
+		*p = (struct report_process){.pid = e->pid, .first_ns = e->t_ns};
+	}
+	r->process[i].last_ns = e->t_ns;
+	r->process[i].evaluations += !strcmp(e->name, "aebmc:evaluation");
+	return 0;
+}
+
+int report_event(void *arg, const struct ctf_record *e)
+{
+	struct report *r = arg;
+	const int status = take_process(r, e);
+
+	if (status || (r->pid && r->pid != e->pid)) {
+		return status;
+	}
+	if (r->taken_pid != e->pid) { /* numbers begin anew */
+		r->run_start = r->n_cycles;
+		r->ticks_before = report_ticks(r);
+		r->published_n = 0;
+		r->taken_pid = e->pid;
+	}
+	return take(r, e);
+}
+
 void report_free(struct report *r)
 {
 	for (int i = 0; i < STAGES; i++) {
@@ -286,4 +322,5 @@ void report_free(struct report *r)
 	free(r->cycle);
 	free(r->miss);
 	free(r->evaluation);
+	free(r->process);
 }

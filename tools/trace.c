@@ -121,6 +121,8 @@ static int record(const char *who, const char *out, int snapshot)
 		{"enable-channel", "--userspace", "--session=" SESSION, "--subbuf-size=1M",
 		 "--num-subbuf=4", "--overwrite", "--switch-timer=0", "--read-timer=200000",
 		 SESSION, NULL},
+		{"add-context", "--userspace", "--session=" SESSION, "--channel=" SESSION,
+		 "--type=vpid", NULL},
 		{"enable-event", "--userspace", "--session=" SESSION, "--channel=" SESSION,
 		 "aebmc:*", NULL},
 		{"start", SESSION, NULL},

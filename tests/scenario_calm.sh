@@ -23,6 +23,7 @@ json "and judged by themselves too" "$tmp/calm.json" \
 ok "in words" "$AEBMC" scenario false-activation --only plate
 like "which rows could not" "$tmp/out" '^plate-flickers .* passed, never evaluated$'
 like "and how many could" "$tmp/out" '^3 runs, 0 with contact, 1 with a request, 1 with an evaluation$'
+like "what was added, and how much may be" "$tmp/out" '^deceleration that requests added .*: 0.00 m/s2 .*FMVSS 127: below 2.45'
 like "nothing is said of none" "$tmp/out" '^0 of 0 with a goal and an evaluation missed it: 95 % interval 0 .. 100 %$'
 like "not passed, and why" "$tmp/out" 'plate-without-existence .* not passed: the sensors say it is a car'
 ok "drawn cars" "$AEBMC" scenario false-activation --only overtake --vehicles 3 --json
@@ -31,6 +32,14 @@ json "no request either" "$tmp/out" 'len(j["runs"]) == 9 and not any(r["full"] f
 ok "degraded --short" "$AEBMC" scenario degraded --short --json
 json "each fault" "$tmp/out" \
 	'{r["row"].split("/")[0] for r in j["runs"]} == {"10Hz", "noise-told", "noise-untold", "dropouts", "latency", "rate-lag"}'
+
+json "with what the daemon is told of it, and the hash of that" "$tmp/out" \
+	'j["faults"][0]["set"] == ["radar.period=100"] and [f["fault"] for f in j["faults"] if f["config_hash"] == j["config_hash"]] == ["noise-untold", "dropouts", "latency", "rate-lag"]'
+ok "in words" "$AEBMC" scenario degraded --only 10Hz/plate
+like "a line for the fault" "$tmp/out" '^10Hz: 10 scans a second; radar.period=100, configuration [0-9a-f]{16}$'
+hash=$(sed -n 's/^10Hz: .* //p' "$tmp/out")
+ok "the same settings by hand" "$AEBMC" scenario false-activation --only plate --set radar.period=100
+like "have that hash" "$tmp/out" "configuration $hash;"
 
 for drive in brake follow; do
 	"$AEBMC" generate --config $objects --drive $drive --out "$tmp/drive.log"

@@ -54,6 +54,9 @@ ok "a brake of -0.5 m/s2 is not enough" sh -c \
 	"! '$AEBMC' scenario fmvss127 --only stopped-80 --set brake.accel=-0.5 --set brake.accel_partial=-0.5 --json >$tmp/weak.json"
 json "and the impact is told" "$tmp/weak.json" \
 	'all(r["contact"] and r["closest_m"] == 0 and not r["passed"] and 15 < r["impact_mps"] < 22.3 for r in j["runs"] if r["row"] == "stopped-80")'
+ok "and in words, of drawn cars too" sh -c \
+	"! '$AEBMC' scenario fmvss127 --only stopped-80 --set brake.accel=-0.5 --set brake.accel_partial=-0.5 --vehicles 2 >$tmp/weak.txt"
+like "the worst of two" "$tmp/weak.txt" '^stopped-80 +2/2 .* CONTACT, worst (1[5-9]|2[0-2])\.[0-9]{2} m/s$'
 
 # the run as a log, replayed
 row=brake-80-12m-0.5g-ramp
@@ -83,6 +86,8 @@ json "the daemon among five rules, and it alone neither touches nor brakes early
 	'[r["rule"] for r in j["rules"]] == ["ttc", "autoware", "ad-rss", "paper", "aebmc"] and [r["rule"] for r in j["rules"] if r["contacts"] == r["early_requests"] == 0] == ["aebmc"]'
 ok "one rule" "$AEBMC" scenario false-activation --only follow-80 --rule ad-rss --json
 json "which brakes where nothing happens" "$tmp/out" 'j["rule"] == "ad-rss" and j["runs"][0]["full"] > 0'
+ok "in words" "$AEBMC" scenario false-activation --only follow-80 --rule ad-rss
+like "what it added" "$tmp/out" '^follow-80-12m .* REQUEST, added 9\.[0-9]{2} m/s2$'
 
 refuses 2 "$AEBMC" scenario
 refuses 2 "$AEBMC" scenario fmvss

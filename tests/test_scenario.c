@@ -252,7 +252,8 @@ static void figures_are_counted(void **state)
 	assert_true(a.evaluated == 2 && b.evaluated == 0 && s.evaluated == 2);
 	assert_true(s.runs == 4 && s.all.judged == 4 && s.all.failed == 2 && s.requests == 3);
 	assert_true(s.in_evaluated.judged == 2 && s.in_evaluated.failed == 1);
-	assert_true(s.unwarned == 2 && s.lead_s == 1 && s.lead_least_s == 1 && s.added_mps2 == 3);
+	assert_true(s.unwarned == 2 && s.lead_s == 1 && s.lead_least_s == 1);
+	assert_true(isnan(a.added_mps2) && b.added_mps2 == 3 && s.added_mps2 == 3 && s.calm == 2);
 	assert_true(s.all.lo > 0.1 && s.all.hi < 0.9);
 	assert_true(s.in_evaluated.lo < s.all.lo && s.in_evaluated.hi > s.all.hi);
 }

@@ -85,6 +85,32 @@ static void json_run(struct json *j, const struct scenario_plan *p, int i,
 	json_close(j, '}');
 }
 
+static void json_faults(struct json *j, const struct scenario_plan *p)
+{
+	char hash[20];
+
+	json_open(j, "faults", '[');
+	for (int i = 0; i < p->rows; i++) {
+		const struct scenario_fault *f = scenario_fault_of(p, i);
+
+		if (!f) {
+			continue;
+		}
+		snprintf(hash, sizeof(hash), "%016" PRIx64, config_hash(&p->told[i], p->map));
+		json_open(j, NULL, '{');
+		json_str(j, "fault", f->name);
+		json_str(j, "doc", f->doc);
+		json_open(j, "set", '[');
+		for (int k = 0; k < SCENARIO_SETS_MAX && f->set[k]; k++) {
+			json_str(j, NULL, f->set[k]);
+		}
+		json_close(j, ']');
+		json_str(j, "config_hash", hash);
+		json_close(j, '}');
+	}
+	json_close(j, ']');
+}
+
 static void json_sum(struct json *j, const struct scenario_plan *p, const struct scenario_sum *s)
 {
 	const struct scenario_share *in = &s->in_evaluated;
@@ -121,6 +147,7 @@ void scenario_json(FILE *out, const struct scenario_plan *p, const struct scenar
 	json_head(&j, "scenario");
 	json_str(&j, "suite", p->suite->name);
 	json_str(&j, "rule", p->rule ? p->rule->name : "aebmc");
+	json_faults(&j, p);
 	json_open(&j, "runs", '[');
 	for (int i = 0; i < p->rows * p->cars; i++) {
 		json_run(&j, p, i, &r[i]);

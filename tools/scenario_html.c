@@ -218,6 +218,7 @@ int scenario_html(FILE *out, const struct scenario_plan *p, const struct scenari
 	}
 	if (ok) {
 		head(out, p, &sum);
+		scenario_faults(out, p, "<p>", "</p>\n");
 		picture(out, p, row, name);
 		table(out, p, row);
 		page_close(out);

@@ -11,6 +11,9 @@
 #include "sort.h"
 #include "stats.h"
 
+#define ADDED_MPS2 \
+	(0.25 * 9.81) /* FMVSS 127: peak additional deceleration in its tests of false activation */
+
 /* ---- figures ---------------------------------------------------------------------------------- */
 
 /* Of @v[@n], which is put in order; the nearest rank. */
@@ -44,6 +47,14 @@ static double warn_of(const struct scenario_result *r)
 	return r->warn_s;
 }
 
+/* NaN where none was unwanted. */
+static double added_of(const struct scenario *s, const struct scenario_result *r)
+{
+	return s->goal == GOAL_NO_REQUEST && isfinite(scenario_first(r))
+		       ? r->peak_after_mps2 - r->peak_before_mps2
+		       : NAN;
+}
+
 static void add_run(struct scenario_row *row, const struct scenario *s,
 		    const struct scenario_result *r, double latest_s)
 {
@@ -59,6 +70,7 @@ static void add_run(struct scenario_row *row, const struct scenario *s,
 	row->impact_mps = fmax(row->impact_mps, r->impact_mps);
 	row->closest_m = fmin(row->closest_m, r->closest_m); /* of NaN and a number: the number */
 	row->spare_s = fmin(row->spare_s, spare_s);          /* of NaN and a number: the number */
+	row->added_mps2 = fmax(row->added_mps2, added_of(s, r)); /* as closest_m */
 	row->before_mps2 = fmax(row->before_mps2, r->peak_before_mps2);
 	row->after_mps2 = fmax(row->after_mps2, r->peak_after_mps2);
 }
@@ -68,6 +80,7 @@ struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
 {
 	const struct scenario *s = &p->row[row];
 	struct scenario_row out = {.closest_m = NAN,
+				   .added_mps2 = NAN,
 				   .spare_s = NAN,
 				   .warn_s = NAN,
 				   .request_s = NAN,
@@ -119,9 +132,9 @@ static void add_to_sum(struct scenario_sum *sum, const struct scenario *s,
 			add_judged(&sum->in_evaluated, !scenario_passed(s, r));
 		}
 	}
-	if (requested && s->goal == GOAL_NO_REQUEST) {
-		sum->added_mps2 = fmax(sum->added_mps2, r->peak_after_mps2 - r->peak_before_mps2);
-	}
+	sum->calm += s->goal == GOAL_NO_REQUEST;
+	sum->added_mps2 =
+		fmax(sum->added_mps2, added_of(s, r)); /* of NaN and a number: the number */
 	if (requested && !(r->warn_s < request_s)) {
 		sum->unwarned++;
 	} else if (requested && lead) {
@@ -149,6 +162,13 @@ struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct 
 	return sum;
 }
 
+const struct scenario_fault *scenario_fault_of(const struct scenario_plan *p, int row)
+{
+	const struct scenario_fault *f = p->row[row].fault;
+
+	return row > 0 && p->row[row - 1].fault == f ? NULL : f;
+}
+
 /* ---- words ------------------------------------------------------------------------------------- */
 
 static void cell(FILE *out, int width, const char *fmt, double v)
@@ -173,6 +193,24 @@ const char *scenario_verdict(const struct scenario *s, const struct scenario_row
 	}
 }
 
+void scenario_faults(FILE *out, const struct scenario_plan *p, const char *before,
+		     const char *after)
+{
+	for (int i = 0; i < p->rows; i++) {
+		const struct scenario_fault *f = scenario_fault_of(p, i);
+
+		if (!f) {
+			continue;
+		}
+		fprintf(out, "%s%s: %s; ", before, f->name, f->doc);
+		for (int k = 0; k < SCENARIO_SETS_MAX && f->set[k]; k++) {
+			fprintf(out, "%s, ", f->set[k]);
+		}
+		fprintf(out, "configuration %016" PRIx64 "%s", config_hash(&p->told[i], p->map),
+			after);
+	}
+}
+
 static void print_head(FILE *out, const struct scenario_plan *p)
 {
 	char hash[20], cpu[128];
@@ -186,6 +224,7 @@ static void print_head(FILE *out, const struct scenario_plan *p)
 	if (p->rule) {
 		fprintf(out, "decided by: %s\n", p->rule->doc);
 	}
+	scenario_faults(out, p, "", "\n");
 	fprintf(out,
 		"\n%-40s %8s %8s %7s %7s %7s %7s %7s %7s %7s\n%-40s %8s %8s %7s %7s %7s %7s %7s "
 		"%7s "
@@ -216,8 +255,15 @@ static void print_row(FILE *out, const struct scenario_plan *p, int row,
 	cell(out, 8, "%.2f", a.spare_s);
 	cell(out, 8, "%.2f", a.before_mps2);
 	cell(out, 8, "%.2f", a.after_mps2);
-	fprintf(out, "  %s%s\n", scenario_verdict(s, &a),
+	fprintf(out, "  %s%s", scenario_verdict(s, &a),
 		a.evaluated || p->live ? "" : ", never evaluated");
+	if (a.contacts) {
+		fprintf(out, ", worst %.2f m/s", a.impact_mps);
+	}
+	if (isfinite(a.added_mps2)) {
+		fprintf(out, ", added %.2f m/s2", a.added_mps2);
+	}
+	fputc('\n', out);
 }
 
 static void print_share(FILE *out, const struct scenario_share *s, const char *of)
@@ -238,6 +284,12 @@ static void print_sum(FILE *out, const struct scenario_plan *p, const struct sce
 	print_share(out, &s->all, "with a goal");
 	if (!p->live) {
 		print_share(out, &s->in_evaluated, "with a goal and an evaluation");
+	}
+	if (s->calm) {
+		fprintf(out,
+			"deceleration that requests added where none was wanted: %.2f m/s2 "
+			"(FMVSS 127: below %.2f)\n",
+			s->added_mps2, ADDED_MPS2);
 	}
 	if (s->requests) {
 		fprintf(out, "requests without a warning before them: %" PRIu64, s->unwarned);

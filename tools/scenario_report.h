@@ -15,6 +15,7 @@ struct scenario_row {
 	double warn_s, request_s, request99_s; /* median and 99 % of the times, from the onset */
 	double spare_s; /* left of latest_s when the request came; NaN for drawn cars, whose limits differ */
 	double before_mps2, after_mps2; /* largest decelerations */
+	double added_mps2; /* largest that a request added where none was wanted; NaN: there was none */
 };
 
 /* Runs whose goal is one, those that missed it, and 95 % of failed / judged. */
@@ -30,7 +31,8 @@ struct scenario_sum {
 	uint64_t contacts, requests;
 	uint64_t unwarned;           /* requests without a warning before them */
 	double lead_s, lead_least_s; /* warning before request: median, smallest */
-	double added_mps2; /* largest deceleration that a request added where none was wanted */
+	int calm;                    /* runs in which none was wanted */
+	double added_mps2;           /* largest deceleration that a request added in them */
 };
 
 /** scenario_row_of - @r: the results of one row. Pure. */
@@ -39,6 +41,14 @@ struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
 
 /** scenario_sum_of - over [rows][cars]. Allocates and frees; without memory the median is NaN. */
 struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct scenario_result *r);
+
+/** scenario_fault_of - the fault that begins with @row, NULL where none does: its rows follow each other. Pure. */
+const struct scenario_fault *scenario_fault_of(const struct scenario_plan *p, int row);
+
+/** scenario_faults - what is wrong with the sensors, what the daemon is told of it and its configuration then, each
+ * between @before and @after. */
+void scenario_faults(FILE *out, const struct scenario_plan *p, const char *before,
+		     const char *after);
 
 /** scenario_verdict - what became of the row's goal, in words. */
 const char *scenario_verdict(const struct scenario *s, const struct scenario_row *r);

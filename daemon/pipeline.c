@@ -263,9 +263,6 @@ static void on_tick(struct pipeline *p)
 	TRACE(p->o.trace, published, p->published, p->tick_ns + absent * p->period_ns,
 	      late_ns % p->period_ns, late_ns % p->period_ns > p->period_ns / 4);
 	pipeline_tell_clock(p);
-	if (misses && p->in.state < STATE_INIT) {
-		pipeline_event(p, RECORDER_MISS);
-	}
 	p->tick_ns += (absent + 1) * p->period_ns;
 	review(p);
 	pipeline_send(p, PUBLISH_REQUEST);

@@ -50,6 +50,14 @@ static uint32_t input_conditions(const struct pipeline *p)
 	       (p->mc ? 0 : FAULT_BIT(STARTING));
 }
 
+/* While starting only what makes it worse. */
+static int is_news(const struct pipeline *p, uint32_t was)
+{
+	const uint32_t active = p->faults.active;
+
+	return active & ~was && (p->in.state != STATE_INIT || fault_state(active) > STATE_INIT);
+}
+
 void pipeline_faults(struct pipeline *p)
 {
 	const uint32_t was = p->faults.active;
@@ -61,6 +69,9 @@ void pipeline_faults(struct pipeline *p)
 	}
 	p->once = 0;
 	fault_update(&p->faults, raised, p->now_ns);
+	if (is_news(p, was)) {
+		pipeline_event(p, RECORDER_FAULT);
+	}
 	pipeline_tell_faults(p, was);
 }
 
@@ -112,8 +123,6 @@ int pipeline_state(struct pipeline *p, struct decision dec)
 	}
 	if (dec.changed && dec.level > LEVEL_NONE) {
 		pipeline_event(p, dec.level == LEVEL_WARN ? RECORDER_WARN : RECORDER_REQUEST);
-	} else if (state >= STATE_INHIBIT && state != was) {
-		pipeline_event(p, RECORDER_FAULT);
 	}
 	if (p->o.on_change) {
 		p->o.on_change(p->o.arg, p->now_ns, &p->in);

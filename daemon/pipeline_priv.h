@@ -67,7 +67,7 @@ int64_t pipeline_stamp(const struct pipeline *p);
 /** pipeline_edge - the present cycle passed @e at @at_ns: stamp it, close and count the stages that end there. */
 void pipeline_edge(struct pipeline *p, enum edge e, int64_t at_ns);
 
-/** pipeline_miss - count @count of a kind; @stage: its name, or ""; @late_ns: by how much, 0 if that has no meaning. */
+/** pipeline_miss - count @count of a kind, have the recorder keep what is around; @stage: its name, or ""; @late_ns: by how much, 0 if that has no meaning. */
 void pipeline_miss(struct pipeline *p, enum miss kind, uint64_t cycle, const char *stage,
 		   uint64_t count, int64_t late_ns);
 
@@ -89,7 +89,7 @@ void pipeline_tell_clock(struct pipeline *p);
 /** pipeline_stale_ns - when what is fresh at now_ns goes stale unless more is heard; CLOCK_NEVER if nothing is fresh. */
 int64_t pipeline_stale_ns(const struct pipeline *p);
 
-/** pipeline_faults - raise and clear reasons by what is known at now_ns. */
+/** pipeline_faults - raise and clear reasons by what is known at now_ns; have the recorder keep what is around a new one. */
 void pipeline_faults(struct pipeline *p);
 
 /** pipeline_trusted - 1 if inputs may be judged by: in other states no batch is run and every figure is "not

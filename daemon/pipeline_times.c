@@ -24,6 +24,9 @@ void pipeline_miss(struct pipeline *p, enum miss kind, uint64_t cycle, const cha
 	*counter[kind] += count;
 	if (count) {
 		TRACE(p->o.trace, miss, cycle, miss_name[kind], stage, count, late_ns);
+		if (p->in.state != STATE_INIT) {
+			pipeline_event(p, RECORDER_MISS);
+		}
 	}
 }
 

@@ -18,6 +18,7 @@
 #include "estimator.h"
 #include "mc_ops.h"
 #include "pipeline.h"
+#include "recorder.h"
 
 #define MS       CLOCK_NS_PER_MS
 #define T0       (1000 * CLOCK_NS_PER_S) /* first frame, an ego one */
@@ -242,6 +243,34 @@ void estimator_distrust(struct estimator *e)
 void estimator_close(struct estimator *e)
 {
 	free(e);
+}
+
+/* ---- the recorder: the same ------------------------------------------------------------------------------- */
+
+static struct recorder {
+	int frames, evaluations;
+	int triggers[RECORDER_REASONS];
+	int64_t t_ns; /* of the last trigger */
+} kept;
+
+void recorder_frame(struct recorder *r, const struct bus_frame *f)
+{
+	(void)f;
+	r->frames++;
+}
+
+void recorder_evaluation(struct recorder *r, int64_t t_ns, const struct mc_request *req,
+			 const struct mc_result *res)
+{
+	assert_int_equal(t_ns, w.now_ns);
+	assert_true(res->id == req->id);
+	r->evaluations++;
+}
+
+void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns)
+{
+	r->triggers[why]++;
+	r->t_ns = t_ns;
 }
 
 /* ---- a backend --------------------------------------------------------------------------------------- */
@@ -1651,6 +1680,162 @@ static void test_timing_says_which_stage(void **arg)
 	end();
 }
 
+/* ---- what the recorder is told --------------------------------------------------------------------------------- */
+
+static void open_recorded(struct mc *mc)
+{
+	struct pipeline_open o = options(NULL);
+
+	kept = (struct recorder){0};
+	o.recorder = &kept;
+	o.mc = mc;
+	reopen(&o);
+}
+
+static void begin_recorded(const struct bus_ops *ops, int worker)
+{
+	begin(ops, worker, NULL);
+	open_recorded(w.mc);
+}
+
+static void triggers_are(int warn, int request, int fault, int miss, int mark)
+{
+	const int want[RECORDER_REASONS] = {[RECORDER_WARN] = warn,
+					    [RECORDER_REQUEST] = request,
+					    [RECORDER_FAULT] = fault,
+					    [RECORDER_MISS] = miss,
+					    [RECORDER_MARK] = mark};
+
+	assert_memory_equal(kept.triggers, want, sizeof(want));
+}
+
+static void test_levels_and_marks_are_recorded(void **arg)
+{
+	(void)arg;
+	begin_recorded(&log_ops, 0);
+	run_scans(5);
+	triggers_are(0, 0, 0, 0, 0);
+	assert_int_equal(kept.frames, 6);
+	assert_int_equal(kept.evaluations, 5);
+	pipeline_mark(w.p);
+	run_scans(6);
+	triggers_are(0, 0, 0, 0, 1);
+	dangerous_scene();
+	run_scans(7);
+	triggers_are(1, 0, 0, 0, 1);
+	assert_int_equal(kept.t_ns, w.now_ns);
+	run_scans(8);
+	triggers_are(1, 1, 0, 0, 1);
+	safe_scene();
+	run_scans(60); /* down again is no event */
+	request_is("ARMED", "none", "none");
+	triggers_are(1, 1, 0, 0, 1);
+	end();
+}
+
+static void test_misses_of_stages_and_periods_are_recorded(void **arg)
+{
+	(void)arg;
+	begin_recorded(&log_ops, 0);
+	w.scene.oldest_input_ns = 121 * MS;
+	run_scans(1);
+	assert_int_equal(pipeline_stats(w.p)->stage_miss, 1);
+	triggers_are(0, 0, 0, 0, 0); /* INIT */
+	run_scans(4);
+	run_to(w.now_ns + PERIOD);
+	assert_int_equal(pipeline_stats(w.p)->stage_miss, 4);
+	triggers_are(0, 0, 0, 3, 0);
+	end();
+
+	begin_recorded(&live_ops, 0);
+	run_scans(5);
+	run_to(SCAN_0 + 4 * SCAN + 15 * MS);
+	w.oversleep_ns = 6 * MS;
+	run_to(w.now_ns + PERIOD);
+	assert_int_equal(pipeline_stats(w.p)->period_miss, 1);
+	triggers_are(0, 0, 0, 1, 0);
+	end();
+}
+
+static void test_late_and_skipped_are_recorded(void **arg)
+{
+	const struct pipeline_stats *s;
+
+	(void)arg;
+	begin_recorded(&log_ops, 1);
+	w.deaf = 1;
+	__atomic_store_n(&w.block, 1, __ATOMIC_RELEASE);
+	run_to(SCAN_0 + 600 * MS);
+	s = pipeline_stats(w.p);
+	assert_in_range(s->skipped, 10, 12);
+	triggers_are(0, 0, 1, (int)s->skipped, 0); /* MC_LATE */
+	__atomic_store_n(&w.block, 0, __ATOMIC_RELEASE);
+	let_one_pass();
+	assert_int_equal(pipeline_step(w.p), 0);
+	assert_int_equal(s->stage_miss, 1);
+	assert_int_equal(s->late, 1);
+	triggers_are(0, 0, 1, (int)s->skipped + 2, 0);
+	end();
+}
+
+/* Whatever state it leads to, once, also while another one stands. */
+static void test_new_reasons_are_recorded(void **arg)
+{
+	(void)arg;
+	begin_recorded(&live_ops, 0);
+	run_scans(5);
+	pipeline_raise(w.p, FAULT_BIT(GPU_LOST));
+	run_scans(7);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_DEGRADED);
+	triggers_are(0, 0, 1, 0, 0);
+	w.run_error = -EIO;
+	run_scans(8);
+	w.run_error = 0;
+	assert_true(pipeline_now(w.p)->fault & FAULT_BIT(MC_ERROR));
+	triggers_are(0, 0, 2, 0, 0);
+	w.events = BUS_EV_DOWN;
+	run_scans(10);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_INHIBIT);
+	triggers_are(0, 0, 3, 0, 0);
+	w.events |= BUS_EV_FOREIGN;
+	run_scans(12);
+	triggers_are(0, 0, 4, 0, 0);
+	w.events = 0;
+	run_scans(60);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_DEGRADED);
+	triggers_are(0, 0, 4, 0, 0); /* what is over is no news */
+	w.events = BUS_EV_DOWN;
+	run_scans(62);
+	triggers_are(0, 0, 5, 0, 0);
+	end();
+}
+
+/* What is known from the start is no event, what makes it worse is. */
+static void test_starting_is_no_event(void **arg)
+{
+	(void)arg;
+	begin(&live_ops, 0, NULL);
+	open_recorded(NULL);
+	run_scans(3);
+	pipeline_raise(w.p, FAULT_BIT(GPU_NONE));
+	run_scans(5);
+	pipeline_set_mc(w.p, w.mc, PUBLISH_BACKEND_CPU, 16384);
+	run_scans(7);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_DEGRADED);
+	triggers_are(0, 0, 0, 0, 0);
+	end();
+
+	begin(&live_ops, 0, NULL);
+	open_recorded(NULL);
+	run_scans(3);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_INIT);
+	w.events = BUS_EV_DOWN;
+	run_scans(5);
+	assert_int_equal(pipeline_now(w.p)->state, STATE_INHIBIT);
+	triggers_are(0, 0, 1, 0, 0);
+	end();
+}
+
 /* ---- ends --------------------------------------------------------------------------------------------------------- */
 
 static void test_end_of_log(void **arg)
@@ -1778,6 +1963,11 @@ int main(void)
 		cmocka_unit_test(test_stalled_worker),
 		cmocka_unit_test(test_missed_periods_are_told),
 		cmocka_unit_test(test_timing_says_which_stage),
+		cmocka_unit_test(test_levels_and_marks_are_recorded),
+		cmocka_unit_test(test_misses_of_stages_and_periods_are_recorded),
+		cmocka_unit_test(test_late_and_skipped_are_recorded),
+		cmocka_unit_test(test_new_reasons_are_recorded),
+		cmocka_unit_test(test_starting_is_no_event),
 		cmocka_unit_test(test_end_of_log),
 		cmocka_unit_test(test_bus_error),
 		cmocka_unit_test(test_open_error),

@@ -39,11 +39,17 @@ if ! lttng list >/dev/null 2>&1; then
 	until lttng list >/dev/null 2>&1; do sleep 0.1; done
 fi
 
+# ---- nowhere to write: no session stays behind
+exits "trace start into nowhere" 1 "$AEBMC" trace start --out /proc/nowhere
+refuses 1 "$AEBMC" trace on-miss --out /proc/nowhere
+exits "nothing to stop" 1 "$AEBMC" trace stop
+
 # ---- a made-up drive
 ok "trace start" "$AEBMC" trace start --out "$tmp/drive"
 ok "a drive" "$O/made-up-trace"
 cp "$tmp/out" "$tmp/status.json"
-exits "a second session is refused" 1 "$AEBMC" trace start --out "$tmp/second"
+refuses 1 "$AEBMC" trace start --out "$tmp/second"
+like "a second session: how to end the first" "$tmp/err" 'recording already: end that with aebmc trace stop'
 ok "trace stop" "$AEBMC" trace stop
 ok "report" "$AEBMC" report "$tmp/drive" --html "$tmp/report.html"
 like "in words: the stage over its budget" "$tmp/out" '^mc +989 .* 530\.000 +1 '

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include "cli.h"
@@ -79,7 +80,7 @@ static const struct argp argp = {
 
 /* ---- lttng ------------------------------------------------------------------------------------------------- */
 
-/* One command of lttng; its own words go to standard error. An exit code; @quiet: its failure is of no interest. */
+/* One command of lttng; its own words go to standard error. An exit code, after one line; @quiet: without a word. */
 static int lttng(const char *who, int quiet, const char *const *word)
 {
 	char *argv[WORDS_MAX] = {(char *)"lttng"};
@@ -106,15 +107,18 @@ static int lttng(const char *who, int quiet, const char *const *word)
 		return cli_error(CLI_SKIPPED, who,
 				 "there is no lttng: apt-get install lttng-tools");
 	}
-	if (quiet || (WIFEXITED(status) && !WEXITSTATUS(status))) {
+	if (WIFEXITED(status) && !WEXITSTATUS(status)) {
 		return 0;
 	}
-	return cli_error(CLI_FAILED, who, "lttng %s failed, see above", word[0]);
+	return quiet ? CLI_FAILED
+		     : cli_error(CLI_FAILED, who, "lttng %s failed, see above", word[0]);
 }
 
 /* Read and switch timers wake nobody in the traced threads; a full buffer overwrites its oldest part and never blocks. */
 static int record(const char *who, const char *out, int snapshot)
 {
+	const char *const list[] = {"list", SESSION, NULL};
+	const char *const destroy[] = {"destroy", "--no-wait", SESSION, NULL};
 	char output[4096];
 	const char *const command[][WORDS_MAX] = {
 		{"create", SESSION, output, snapshot ? "--snapshot" : NULL, NULL},
@@ -130,11 +134,20 @@ static int record(const char *who, const char *out, int snapshot)
 		 "--condition=event-rule-matches", "--type=user:tracepoint",
 		 "--name=aebmc:deadline_miss", "--action=snapshot-session", SESSION, NULL},
 	};
-	int code = 0;
+	int code = lttng(who, 1, list);
 
+	if (code == CLI_SKIPPED || !code) {
+		return code ? code
+			    : cli_error(CLI_FAILED, who,
+					"recording already: end that with aebmc trace stop");
+	}
+	code = 0;
 	snprintf(output, sizeof(output), "--output=%s", out);
 	for (size_t i = 0; !code && i < sizeof(command) / sizeof(command[0]); i++) {
 		code = command[i][0] ? lttng(who, 0, command[i]) : 0;
+	}
+	if (code) {
+		lttng(who, 1, destroy);
 	}
 	return code;
 }
@@ -147,7 +160,10 @@ static int begin(const char *who, const struct args *a)
 		     asprintf(&out, "%s/%s", here, a->out ? a->out : "aebmc-trace") < 0)) {
 		return cli_error(CLI_FAILED, who, "this folder: %s", strerror(errno));
 	}
-	const int code = record(who, out, a->what == ON_MISS);
+	/* a snapshot is written when nobody looks: whether it can be shows now */
+	const int nowhere = a->what == ON_MISS && mkdir(out, 0770) && errno != EEXIST;
+	const int code = nowhere ? cli_error(CLI_FAILED, who, "%s: %s", out, strerror(errno))
+				 : record(who, out, a->what == ON_MISS);
 
 	if (!code) {
 		printf("%s into %s; end it with aebmc trace stop, read it with aebmc report %s\n",
@@ -162,10 +178,9 @@ static int end(const char *who)
 {
 	const char *const trigger[] = {"remove-trigger", SESSION, NULL};
 	const char *const destroy[] = {"destroy", SESSION, NULL};
-	int code = lttng(who, 1, trigger);
+	const int code = lttng(who, 1, trigger);
 
-	code = code ? code : lttng(who, 0, destroy);
-	return code;
+	return code == CLI_SKIPPED ? code : lttng(who, 0, destroy);
 }
 
 /* ---- cost -------------------------------------------------------------------------------------------------- */

@@ -113,6 +113,16 @@ if "$python" -c 'import cantools' 2>/dev/null; then
 	ok "map writes its configuration" "$AEBMC" map "$tmp/car.dbc" "$tmp/car.log" --out "$tmp/car.conf"
 	ok "which is right" "$AEBMC" inputs "$tmp/car.log" --config "$tmp/car.conf"
 	is "and leaves nothing in doubt" "$(grep -cE '^(WRONG|doubt|unknown)' "$tmp/out")" 0
+	like "standing objects drift as its yaw rate says" "$tmp/out" '^good +FAHRDYNAMIK\.GIERRATE: standing objects drift (1\.0|0\.9)[0-9] times'
+	strange alone
+	ok "a single target" "$AEBMC" inputs "$tmp/car.log" --config "$tmp/car.conf"
+	like "the yaw rate is one of bends" "$tmp/out" '^good +FAHRDYNAMIK\.GIERRATE: times the speed up to [0-9.]+ m/s2'
+	"$python" tests/strange_car.py --dbc "$tmp/car.dbc" --log "$tmp/car.log" --plant alone --seconds 3
+	wrong doubt "a single target, km/h read as m/s" 'FAHRDYNAMIK\.FAHRZEUG_GESCHW: up to 6[0-9]\.[0-9] m/s \(23[0-9] km/h\)' 'unit = km/h or mph' \
+		"$tmp/car.log" --config "$tmp/car.conf" --set 'signal ego_speed.unit=m/s'
+	strange yaw_small
+	ok "rad/s read as deg/s" "$AEBMC" inputs "$tmp/car.log" --config "$tmp/car.conf"
+	like "is not called good" "$tmp/out" '^unknown +FAHRDYNAMIK\.GIERRATE: not enough data .* up to 0\.1[0-9] deg/s, 0\.0[0-9]+ m/s2'
 	# planted PLANT WHAT CHANGE
 	planted() {
 		strange "$1"

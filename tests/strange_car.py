@@ -53,6 +53,7 @@ WRONG = {
     "order": {"geschw": "8|13@1+"},
     "lateral": {"quer_scale": -0.05},
     "yaw_unit": {"gier_unit": "rad/s"},
+    "yaw_small": {"gier_scale": 0.05 * math.pi / 180},
     "id": {"ego": 0x98FEF118},
 }
 # What a counter in the log says at its n-th frame
@@ -126,6 +127,8 @@ class Log:
         self.counter += 1
 
     def targets(self, d):
+        if self.plant == "alone":
+            return d.targets()[:1] + [None] * 3
         if self.plant in ("radar_frozen", "parked"):
             return FROZEN + [None, None]
         return FROZEN + d.targets()[2:] if self.plant == "slots_frozen" else d.targets()
@@ -146,7 +149,7 @@ class Log:
 def main():
     p = argparse.ArgumentParser()
     p.add_argument("--plant", choices=sorted(WRONG) + sorted(COUNTS) + ["twice", "frozen", "invalid", "radar_frozen", "slots_frozen",
-                                                                           "parked"], default="none")
+                                                                           "parked", "alone"], default="none")
     p.add_argument("--seconds", type=float, default=90)
     p.add_argument("--spread", type=float, default=0.4, help="ms from slot to slot")
     p.add_argument("--dbc", required=True)

@@ -114,11 +114,12 @@ struct inputs {
 	uint64_t invalid_there;  /* frames that say invalid, with a distance */
 	uint64_t valid, invalid; /* frames that say so */
 	uint64_t valid_moves,
-		invalid_moves;     /* of these: the distance differs from the frame before */
-	double ego_mps, yaw_radps; /* latest; NaN */
-	double accel_mps2;         /* largest change of ego speed over half a second */
-	uint64_t turns, skids;     /* yaw rates at speed; beyond what tyres hold */
-	int64_t ref_ns;            /* of ref_mps, for accel_mps2 */
+		invalid_moves;        /* of these: the distance differs from the frame before */
+	double ego_mps, yaw_radps;    /* latest; NaN */
+	double accel_mps2;            /* largest change of ego speed over half a second */
+	uint64_t turns, bends, skids; /* yaw rates at speed; in a bend; beyond what tyres hold */
+	double side_mps2;             /* largest yaw rate times speed */
+	int64_t ref_ns;               /* of ref_mps, for accel_mps2 */
 	double ref_mps;
 	uint64_t pulls, hard_pulls; /* half seconds judged; those beyond what tyres do */
 };

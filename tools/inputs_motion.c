@@ -26,6 +26,8 @@
 #define SILENT_SHARE  0.2
 #define SKIDS_WRONG   0.01
 #define DRIFT_MPS     0.3 /* sideways, to be seen at all */
+#define DRIFT_OFF     2.0 /* far from the 57 between units */
+#define SIDE_MPS2     5.0 /* deg/s read as rad/s: more, except on a dead straight road */
 #define SPEC_MAX      (2 * DBC_NAME_MAX + 40)
 
 /* ---- relative speed ---------------------------------------------------------------------------- */
@@ -271,21 +273,6 @@ void inputs_check_distance(struct inputs_judge *j)
 
 /* ---- turning ----------------------------------------------------------------------------------- */
 
-void inputs_check_yaw_unit(struct inputs_judge *j)
-{
-	const struct inputs *in = j->in;
-	char spec[SPEC_MAX];
-
-	if (in->turns >= TARGETS_MIN && inputs_share(in->skids, in->turns) > SKIDS_WRONG) {
-		inputs_say(j, INPUTS_WRONG, inputs_spec(in, INPUTS_YAW_RATE, spec, sizeof(spec)),
-			   "times the speed it is more than tyres hold in %.0f %% of the frames: "
-			   "looks like deg/s "
-			   "read as rad/s",
-			   100 * inputs_share(in->skids, in->turns));
-		inputs_change(j, "[signal yaw_rate] unit = deg/s");
-	}
-}
-
 /* Seen from a car that turns left by w, an object that stands d ahead drifts to the right by w d: ratio 1. */
 static struct stretch_median drift(const struct inputs *in)
 {
@@ -306,6 +293,55 @@ static struct stretch_median drift(const struct inputs *in)
 
 	free(ratio);
 	return m;
+}
+
+static double largest(const struct inputs *in, enum inputs_role role)
+{
+	double max = NAN;
+
+	for (int i = 0; i < in->n_signals; i++) {
+		if (in->signal[i].role == role) {
+			max = fmax(max, fmax(fabs(in->signal[i].min), fabs(in->signal[i].max)));
+		}
+	}
+	return max;
+}
+
+static void judge_yaw(struct inputs_judge *j, const char *spec)
+{
+	const struct inputs *in = j->in;
+	const struct stretch_median m = drift(in);
+
+	if (in->turns >= TARGETS_MIN && inputs_share(in->skids, in->turns) > SKIDS_WRONG) {
+		inputs_say(j, INPUTS_WRONG, spec,
+			   "times the speed it is more than tyres hold in %.0f %% of the frames: "
+			   "looks like deg/s "
+			   "read as rad/s",
+			   100 * inputs_share(in->skids, in->turns));
+		inputs_change(j, "[signal yaw_rate] unit = deg/s");
+	} else if (m.n >= STRETCHES_MIN && fabs(m.value) > 1 / DRIFT_OFF &&
+		   fabs(m.value) < DRIFT_OFF) {
+		inputs_say(j, INPUTS_GOOD, spec,
+			   "standing objects drift %.2f times as fast as it says (%u stretches)",
+			   fabs(m.value), m.n);
+	} else if (in->bends >= TARGETS_MIN && in->side_mps2 < SIDE_MPS2) {
+		inputs_say(j, INPUTS_GOOD, spec,
+			   "times the speed up to %.1f m/s2, as cars take bends", in->side_mps2);
+	} else {
+		inputs_say(j, INPUTS_UNTOLD, spec,
+			   "not enough data to check its unit: up to %.2f deg/s, %.2g m/s2 "
+			   "sideways: is that right?",
+			   largest(in, INPUTS_YAW_RATE) * 180 / M_PI, in->side_mps2);
+	}
+}
+
+void inputs_check_yaw_unit(struct inputs_judge *j)
+{
+	char spec[SPEC_MAX];
+
+	if (!isnan(largest(j->in, INPUTS_YAW_RATE)) && !inputs_stuck(j->in, INPUTS_YAW_RATE)) {
+		judge_yaw(j, inputs_spec(j->in, INPUTS_YAW_RATE, spec, sizeof(spec)));
+	}
 }
 
 void inputs_check_lateral(struct inputs_judge *j)

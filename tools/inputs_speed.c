@@ -11,6 +11,7 @@
 #define PEAK_RATIO    5.0 /* of standing objects, to their neighbourhood */
 #define PEAK_MIN      20
 #define SPEED_MAX     70.0 /* m/s */
+#define SPEED_DOUBT   50.0
 #define OTHERS_MIN    50
 #define OTHERS_OFF    0.2
 #define OTHERS_CORR   0.98
@@ -167,6 +168,13 @@ void inputs_check_speed_unit(struct inputs_judge *j)
 	} else if (same) {
 		inputs_say(j, INPUTS_GOOD, spec, "agrees with %s.%s", same->msg->name,
 			   same->sig->name);
+	} else if (fastest(j->in) > SPEED_DOUBT) {
+		inputs_say(j, INPUTS_DOUBT, spec,
+			   "up to %.1f m/s (%.0f km/h), and no standing object and no second speed "
+			   "signal to check that: km/h or mph read as m/s?",
+			   fastest(j->in), fastest(j->in) * 3.6);
+		inputs_change(j, "[signal ego_speed] unit = km/h or mph; or leave it, if it was "
+				 "so fast");
 	} else {
 		inputs_say(j, INPUTS_UNTOLD, spec,
 			   "not enough data to check its unit: no standing object and no second "

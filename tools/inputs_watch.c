@@ -11,6 +11,7 @@
 #define HALF_NS   (CLOCK_NS_PER_S / 2)
 #define PULL_MPS2 13.0 /* tyres of a road car on a dry road brake with less */
 #define SKID_MPS2 15.0 /* and hold less sideways */
+#define BEND_MPS2 1.0
 #define TURN_MPS  5.0
 
 /* ---- one signal -------------------------------------------------------------------------------- */
@@ -175,6 +176,19 @@ static void take_ego(struct inputs *in, double mps, int64_t t_ns)
 	in->ego_mps = mps;
 }
 
+static void take_turn(struct inputs *in, double radps)
+{
+	const double mps2 = fabs(radps) * in->ego_mps;
+
+	in->yaw_radps = radps;
+	if (in->ego_mps > TURN_MPS) {
+		in->turns++;
+		in->bends += mps2 > BEND_MPS2;
+		in->skids += mps2 > SKID_MPS2;
+		in->side_mps2 = fmax(in->side_mps2, mps2);
+	}
+}
+
 static void take_car(struct inputs *in, int message, const struct bus_frame *f)
 {
 	const double mps = role_value(in, MAP_EGO_SPEED, message, f->data);
@@ -184,9 +198,7 @@ static void take_car(struct inputs *in, int message, const struct bus_frame *f)
 		take_ego(in, mps, f->t_ns);
 	}
 	if (!isnan(yaw)) {
-		in->yaw_radps = yaw;
-		in->turns += in->ego_mps > TURN_MPS;
-		in->skids += in->ego_mps > TURN_MPS && fabs(yaw) * in->ego_mps > SKID_MPS2;
+		take_turn(in, yaw);
 	}
 }
 

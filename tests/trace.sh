@@ -76,8 +76,15 @@ json "the daemon's histograms agree" "$tmp/report.json" "(lambda s: all(
 	s[k]['n'] == v['n'] and s[k].get('misses') == v.get('misses') and s[k]['max_ms'] == v['max_ms'] and
 	all(v[p] <= s[k][p] <= v[p] * 17 / 16 + 0.001025 for p in ('p50_ms', 'p95_ms', 'p99_ms', 'p99_9_ms'))
 	for k, v in j['stages'].items()) and sorted(s) == sorted(j['stages']))(json.load(open('$tmp/status.json'))['stages'])"
-is "the page names no other address" "$(grep -cE '(src|href)=|url\(|@import|https?://[^w]' "$tmp/report.html")" 0
+# address FILE: how many lines name one that a browser might ask
+address() {
+	sed 's|xmlns="http://www\.w3\.org/2000/svg"||g' "$1" | grep -ciE '(src|href)[[:space:]]*=|url\(|@import|//[a-z0-9]'
+}
+is "the page names no other address" "$(address "$tmp/report.html")" 0
+sed 's|<title>|<title>http://www.w3.org.evil/|' "$tmp/report.html" >"$tmp/address.html"
+is "where one is it would be seen" "$(($(address "$tmp/address.html") > 0))" 1
 like "the page has the pictures" "$tmp/report.html" 'cycle 400, late'
+like "and their headings" "$tmp/report.html" '<h2>The worst cycles</h2>'
 exits "the page into nowhere" 1 "$AEBMC" report "$tmp/drive" --html /dev/full
 
 # ---- a flight recorder
@@ -100,9 +107,23 @@ ok "a replay" "$O/aebmcd" --config $conf --set trace.provider=lttng --log "$tmp/
 ok "trace stop" "$AEBMC" trace stop
 ok "recording changes no frame" cmp "$tmp/plain.log" "$tmp/traced.log"
 ok "its report" "$AEBMC" report "$tmp/replay" --json
-json "says that it is one" "$tmp/out" '(j["replay"] and j["cycles"] == 463 and j["stages"]["total"]["n"] == 0 and
+cp "$tmp/out" "$tmp/out.json"
+json "says that it is one" "$tmp/out.json" '(j["replay"] and j["cycles"] == 463 and j["stages"]["total"]["n"] == 0 and
 	j["stages"]["mc"]["p50_ms"] > 0.05 and len(j["evaluations"]) == 463 and j["request_frames"]["adds_up"])'
-json "with the risk" "$tmp/out" 'max(e["p"] for e in j["evaluations"]) > 0.9 and {e["level"] for e in j["evaluations"]} >= {"none", "full"}'
+ok "its page" "$AEBMC" report "$tmp/replay" --html "$tmp/replay.html"
+is "has every heading" "$(grep -o '<h2>[^<]*' "$tmp/replay.html" | cut -c5- | tr '\n' ',')" \
+	"Where the time goes,How it is spread,What was missed,The worst cycles,Risk over time,"
+ok "and the worst cycle's parts, one after the other" python3 -c 'import json, re, sys
+worst = json.load(open(sys.argv[1]))["worst"][0]
+page = open(sys.argv[2]).read()
+svg = page[page.index("<h2>The worst cycles"):]
+bars = [float(v) for v in re.findall(r"<rect class=\"c\d sp\" x=\"([0-9.]+)\" ", svg)][:4]
+mc = re.search(r"width=\"([0-9.]+)\"[^>]*><title>mc ([0-9.]+) ms", svg)
+input = re.search(r"width=\"([0-9.]+)\"[^>]*><title>input ([0-9.]+) ms", svg)
+assert bars[0] == 0 and abs(bars[1] - float(input[1])) <= 0.2, bars
+assert abs(float(mc[2]) - worst["mc"]) < 0.002 and "{:.3f}".format(worst["input"]) == input[2]
+assert abs(float(mc[1]) / float(input[1]) - worst["mc"] / worst["input"]) < 0.05' "$tmp/out.json" "$tmp/replay.html"
+json "with the risk" "$tmp/out.json" 'max(e["p"] for e in j["evaluations"]) > 0.9 and {e["level"] for e in j["evaluations"]} >= {"none", "full"}'
 
 # ---- two at once: one reads the first half of its log, the other all of its own, the first the rest
 mkfifo "$tmp/half"

@@ -85,7 +85,7 @@ void report_draw_stages(const struct report *r, FILE *out)
 				      .shares = panels,
 				      .embedded = 1};
 
-	if (!panels || r->replay) {
+	if (!panels) {
 		return;
 	}
 	fputs("<h2>How it is spread</h2>\n", out);
@@ -107,18 +107,22 @@ static const enum svg_colour stage_colour[STAGE_DECISION] = {
 	[STAGE_MC] = SVG_BLUE,       [STAGE_DECIDE] = SVG_RED, [STAGE_SEND] = SVG_GREEN,
 	[STAGE_CONFIRM] = SVG_PURPLE};
 
+/* Of a replay one after the other: the log's time and this machine's have no common zero. */
 static void draw_cycle(struct svg *svg, const struct report *r, const struct report_cycle *c,
 		       int lane)
 {
 	char text[96];
+	double sum_ms = 0;
 
 	for (int s = 0; s < STAGE_DECISION; s++) {
 		const int64_t ns = report_stage_ns(r, c, (enum stage)s);
-		const double from = ms(c->t_ns[stage_table[s].from] - c->t_ns[EDGE_INPUT]);
+		const int64_t at_ns = c->t_ns[stage_table[s].from] - c->t_ns[EDGE_INPUT];
+		const double from_ms = r->replay ? sum_ms : ms(at_ns);
 
 		if (ns > 0) {
 			snprintf(text, sizeof(text), "%s %.3f ms", stage_table[s].name, ms(ns));
-			svg_span(svg, stage_colour[s], lane, from, from + ms(ns), text);
+			svg_span(svg, stage_colour[s], lane, from_ms, from_ms + ms(ns), text);
+			sum_ms += ms(ns);
 		}
 	}
 }
@@ -128,19 +132,23 @@ void report_draw_worst(const struct report *r, FILE *out)
 	char name[REPORT_WORST][48];
 	const char *names[REPORT_WORST];
 	struct svg_key key[STAGE_DECISION];
-	struct svg_panel p = {.x = {.label = "since the oldest input was received [ms]"},
+	struct svg_panel p = {.x = {.label = r->replay
+						     ? "age of the inputs in the log, then what "
+						       "this machine computed [ms]"
+						     : "since the oldest input was received [ms]"},
 			      .y = {.scale = SVG_NAMES, .name = names, .n = r->n_worst},
 			      .key = key,
 			      .keys = STAGE_DECISION};
 	const struct svg_page page = {
 		.width_px = WIDTH_PX,
 		.height_px = 110 + 26 * r->n_worst,
-		.title = "The longest cycles, from the oldest input to the bus",
+		.title = r->replay ? "The longest cycles, from the oldest input to the decision"
+				   : "The longest cycles, from the oldest input to the bus",
 		.left_px = 110,
 		.embedded = 1};
 	struct svg svg;
 
-	if (!r->n_worst || r->replay) {
+	if (!r->n_worst) {
 		return;
 	}
 	for (int i = 0; i < r->n_worst; i++) {

@@ -17,8 +17,8 @@
 
 /* The latest value of each signal of a role. */
 struct role_value {
-	double value;
 	int64_t t_ns[MAP_SPEEDS_MAX];
+	double value;
 };
 
 #define BRAKE_PRESSED 1e-6 /* the brake pedal is a flag: anything above nothing */
@@ -252,7 +252,7 @@ static uint32_t faults(const struct estimator *e, int64_t now_ns)
 		fault |= is_role_fresh(e, MAP_EGO_SPEED, now_ns) ? 0 : FAULT_BIT(EGO_STALE);
 		fault |= is_radar_fresh(e, now_ns) ? 0 : FAULT_BIT(RADAR_STALE);
 	}
-	for (int i = 0; i < e->map->n_messages; i++) {
+	for (int i = 0; i < MAP_MESSAGES_MAX; i++) {
 		if (e->decode.message[i].refused >= (uint32_t)e->cfg->bus_stale_periods) {
 			fault |= FAULT_BIT(INPUT_CHECK);
 		}
@@ -345,9 +345,7 @@ static int pressed(const struct estimator *e, enum map_role role, double least, 
 static int64_t oldest_ns(const struct estimator *e, const struct tracker_object *lead,
 			 int64_t now_ns)
 {
-	int64_t t = lead ? lead->seen_ns : now_ns;
-
-	return now_ns - (e->speeds.last.t_ns < t ? e->speeds.last.t_ns : t);
+	return now_ns - clock_earlier(e->speeds.last.t_ns, lead ? lead->seen_ns : now_ns);
 }
 
 static void fill_others(const struct estimator *e, const struct tracker_object *lead,

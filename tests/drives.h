@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "conf_dir.h"
 #include "../tools/drive.c"
 #include "../tools/sensors.c"
 #include "../tools/encode.c"
@@ -33,6 +34,23 @@ static inline struct mapping *drives_load(const char *car, struct config *cfg)
 	if (config_load(path, NULL, 0, cfg, &m, err, sizeof(err))) {
 		fail_msg("%s", err);
 	}
+	return m;
+}
+
+/* drives_load_text - a car made up for a test; @conf has file = test.dbc */
+static inline struct mapping *drives_load_text(const char *dbc, const char *conf,
+					       struct config *cfg)
+{
+	char dir[CONF_DIR_PATH], path[2 * CONF_DIR_PATH], err[1024];
+	struct mapping *m = NULL;
+
+	conf_dir_open(dir);
+	conf_dir_write(dir, "test.dbc", dbc, strlen(dbc), path);
+	conf_dir_write(dir, "test.conf", conf, strlen(conf), path);
+	if (config_load(path, NULL, 0, cfg, &m, err, sizeof(err))) {
+		fail_msg("%s", err);
+	}
+	conf_dir_close(dir);
 	return m;
 }
 
@@ -70,6 +88,9 @@ static inline void drives_assert_sound(const struct scene *s)
 	}
 	assert_true(s->x[SCENE_EGO_SPEED] >= 0 && s->x[SCENE_LEAD_SPEED] >= 0 &&
 		    s->x[SCENE_HEADWAY] >= 0);
+	for (int i = 0; i < SCENE_OTHERS; i++) {
+		assert_true(s->other[i].speed_mps >= 0 && s->other[i].headway_m >= 0);
+	}
 	assert_true(!s->ego_valid || drives_factor(s->cov, l));
 }
 

@@ -181,7 +181,7 @@ static void what_is_announced_must_come(void **state)
 	s = cycles(&b, 3);
 	assert_int_equal(s.fault, 0);
 	assert_true(s.lead_valid); /* with the noise that the configuration assumes */
-	s = cycles(&b, 2);
+	s = cycle(&b);             /* ends the third scan that is incomplete */
 	assert_int_equal(s.fault, FAULT_BIT(RADAR_STALE));
 	assert_false(s.lead_valid);
 	b.quality = 1;
@@ -205,6 +205,114 @@ static void the_noise_of_each_object_is_its_own(void **state)
 		close_bench(&b);
 	}
 	assert_true(p[1] > 4 * p[0]);
+}
+
+/* Time passes for what the radar sees: it moves on, and the second one brakes. */
+static void let_drive(struct bench *b, double brake_mps2)
+{
+	const double dt = b->cfg.radar_period / 1000;
+
+	for (int i = 0; i < b->n; i++) {
+		b->det[i].distance_m += b->det[i].rate_mps * dt;
+	}
+	b->det[1].distance_m -= brake_mps2 * dt * dt / 2;
+	b->det[1].rate_mps -= brake_mps2 * dt;
+}
+
+/* What the ego may meet instead of the lead is said as it is now, not as it was when the radar saw it. */
+static void what_is_behind_the_lead_is_described(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "ars408");
+	b.n = 2;
+	b.det[1] = (struct detection){.id = 7,
+				      .distance_m = 90,
+				      .existence = 0.99,
+				      .distance_sigma_m = 0.06, /* the signals' steps of 0.2 m */
+				      .rate_sigma_mps = 0.07};  /* and 0.25 m/s, over sqrt(12) */
+	for (int i = 0; i < 40; i++) {
+		s = cycle(&b);
+		let_drive(&b, 2);
+	}
+	const struct scene_object *o = &s.other[SCENE_BEHIND];
+	const double brakes_s = 39 * b.cfg.radar_period / 1000 + b.cfg.radar_latency;
+
+	assert_true(s.lead_valid && o->p > 0 && s.other[SCENE_NEARER].p == 0);
+	assert_true(fabs(o->headway_m - (90 - brakes_s * brakes_s)) < 0.2);
+	assert_true(fabs(o->speed_mps - (20 - 2 * brakes_s)) < 0.3);
+	/* sqrt(2) q^(3/4) (rate's variance times period)^(1/4) is 0.83^2 */
+	assert_true(fabs(o->accel_mps2 + 2) < 0.83);
+	assert_true(s.other[SCENE_HIDDEN].headway_m == s.x[SCENE_HEADWAY] + 10);
+	close_bench(&b);
+}
+
+/* Noise may have it roll backwards. */
+static void what_stands_behind_the_lead_stands(void **state)
+{
+	struct bench b;
+	struct scene s;
+
+	(void)state;
+	open_bench(&b, "ars408");
+	b.n = 2;
+	b.det[1] = (struct detection){
+		.id = 7, .distance_m = 150, .rate_mps = -20.25, .existence = 0.99};
+	for (int i = 0; i < 20; i++) {
+		s = cycle(&b);
+		let_drive(&b, 0);
+	}
+	assert_true(s.lead_valid && s.other[SCENE_BEHIND].p > 0);
+	assert_true(s.other[SCENE_BEHIND].speed_mps == 0 && s.other[SCENE_BEHIND].accel_mps2 >= 0);
+	close_bench(&b);
+}
+
+/* A radar that repeats the speed it was told in the message that begins its scans: the first message there is. */
+static void open_echo(struct bench *b)
+{
+	static const char dbc[] = "VERSION \"\"\n"
+				  "BO_ 256 HEAD: 3 RADAR\n"
+				  " SG_ SPEED : 0|16@1+ (0.01,0) [0|163] \"m/s\" X\n"
+				  " SG_ COUNT : 16|8@1+ (1,0) [0|64] \"\" X\n"
+				  "BO_ 257 OBJECT: 5 RADAR\n"
+				  " SG_ ID : 0|8@1+ (1,0) [0|255] \"\" X\n"
+				  " SG_ DIST : 8|16@1+ (0.01,0) [0|600] \"m\" X\n"
+				  " SG_ RATE : 24|16@1- (0.01,0) [-90|90] \"m/s\" X\n"
+				  "BA_DEF_ BO_ \"GenMsgCycleTime\" INT 0 10000;\n"
+				  "BA_DEF_DEF_ \"GenMsgCycleTime\" 20;\n";
+	static const char conf[] = "[dbc]\nfile = test.dbc\n"
+				   "[bus]\ninterfaces = can0\n"
+				   "[signal ego_speed]\nfrom = HEAD.SPEED\n"
+				   "[signal object_count]\nfrom = HEAD.COUNT\n"
+				   "[signal object_id]\nfrom = OBJECT.ID\n"
+				   "[signal distance]\nfrom = OBJECT.DIST\n"
+				   "[signal rel_speed]\nfrom = OBJECT.RATE\n";
+
+	*b = (struct bench){.t_ns = 1000 * MS};
+	b->map = drives_load_text(dbc, conf, &b->cfg);
+	encode_open(&b->encode, b->map);
+	assert_int_equal(estimator_open(&b->cfg, b->map, &b->e), 0);
+}
+
+static void the_first_message_may_begin_the_scans(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_echo(&b);
+	assert_int_equal(b.map->list.header, 0);
+	for (int i = 0; i < 10; i++) { /* nothing ahead: no object is ever sent */
+		b.t_ns += 20 * MS;
+		say_ego(&b);
+	}
+	struct scene s;
+
+	estimator_scene(b.e, b.t_ns, &s);
+	assert_int_equal(s.fault, 0);
+	assert_true(s.ego_valid && s.scan == 10);
+	close_bench(&b);
 }
 
 static void any_frame_is_survived(void **state)
@@ -247,6 +355,9 @@ int main(void)
 		cmocka_unit_test(an_empty_road_is_no_fault_and_a_silent_radar_is),
 		cmocka_unit_test(what_is_announced_must_come),
 		cmocka_unit_test(the_noise_of_each_object_is_its_own),
+		cmocka_unit_test(what_is_behind_the_lead_is_described),
+		cmocka_unit_test(what_stands_behind_the_lead_stands),
+		cmocka_unit_test(the_first_message_may_begin_the_scans),
 		cmocka_unit_test(any_frame_is_survived),
 	};
 

@@ -135,6 +135,13 @@ void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns
 
 /* ---- which triggers are one event (housekeeping thread) --------------------------------------------- */
 
+/* An event's name is the first reason of the highest rank. */
+static const int rank[RECORDER_REASONS] = {[RECORDER_MISS] = 0,
+					   [RECORDER_FAULT] = 1,
+					   [RECORDER_WARN] = 2,
+					   [RECORDER_REQUEST] = 2,
+					   [RECORDER_MARK] = 2};
+
 static void add(struct recorder *r, const struct trigger *t)
 {
 	struct event *e = &r->event;
@@ -144,7 +151,7 @@ static void add(struct recorder *r, const struct trigger *t)
 		e->first_ns = t->t_ns;
 		e->from_ns = e->complete_ns = t->t_ns - r->p.before_ns;
 	}
-	if (!e->open || e->name == RECORDER_MISS) {
+	if (!e->open || rank[t->why] > rank[e->name]) {
 		e->name = (enum recorder_reason)t->why;
 	}
 	e->open = 1;
@@ -287,19 +294,42 @@ static uint64_t size_of(const char *path)
 	return stat(path, &st) ? 0 : (uint64_t)st.st_size;
 }
 
+/* Faults and misses come in floods. */
+static int may_flood(const char *path)
+{
+	const char *name = strrchr(path, '/');
+
+	return strstr(name, "-fault.") || strstr(name, "-miss.");
+}
+
+/* Half of it is for the others. */
+static uint64_t room(const struct recorder *r, const char *path)
+{
+	return may_flood(path) ? r->p.bytes_max / 2 : r->p.bytes_max;
+}
+
+static int is_too_much(uint64_t *total, uint64_t size, uint64_t most)
+{
+	*total += size;
+	return *total > most;
+}
+
 /* Names carry the serial number, zero-padded: sorted by name is sorted by age. */
 static void remove_oldest(const struct recorder *r)
 {
 	struct dirent **e = NULL;
 	const int n = scandir(r->dir, &e, by_name, alphasort);
-	uint64_t total = 0;
+	uint64_t floods = 0, total = 0;
 
 	for (int i = n - 1; i >= 0; i--) {
 		char path[sizeof(r->dir) + 256 + 1];
 
 		snprintf(path, sizeof(path), "%s/%s", r->dir, e[i]->d_name);
-		total += size_of(path);
-		if (total > r->p.bytes_max) {
+
+		const uint64_t size = size_of(path);
+
+		if ((may_flood(path) && is_too_much(&floods, size, room(r, path))) ||
+		    is_too_much(&total, size, r->p.bytes_max)) {
 			unlink(path);
 		}
 		free(e[i]);
@@ -319,7 +349,7 @@ static int write_event(struct recorder *r, int64_t offset, char path[RECORDER_PA
 		 why);
 	ret = write_file(r, path, write_frames, offset);
 	ret = ret ? ret : write_file(r, requests, write_requests, offset);
-	if (!ret && size_of(path) + size_of(requests) > r->p.bytes_max) {
+	if (!ret && size_of(path) + size_of(requests) > room(r, path)) {
 		ret = -EFBIG; /* to make room for it would remove all the others, and then it */
 	}
 	if (ret) {

@@ -32,7 +32,7 @@ struct recorder_params {
 	int n_ifaces;
 	int64_t before_ns, after_ns;
 	uint32_t frames_per_s, requests_per_s; /* at most: what memory is sized for */
-	uint64_t bytes_max; /* of all event files together; the oldest are removed */
+	uint64_t bytes_max; /* of all files, half of it at most for faults and misses */
 };
 
 struct recorder;
@@ -56,8 +56,8 @@ void recorder_trigger(struct recorder *r, enum recorder_reason why, int64_t t_ns
 /**
  * recorder_service - write the event whose time after is over (or @finish)
  * @real_minus_mono_ns: what turns a frame's time into that of the log
- * @path: receives the log's path [RECORDER_PATH_MAX] when one was due; its name carries the first reason, that of a miss
- *        only where there is no other. The .requests file beside it begins with all of them.
+ * @path: receives the log's path [RECORDER_PATH_MAX] when one was due; its name carries the first reason, but a fault gives
+ *        way to a warning, request or mark, and a miss to all. The .requests file beside it begins with all of them.
  * One thread alone; blocks on the file system. Returns 1 if an event was written (call again: the next one may be due),
  * 0 if none was due, -errno (the event is lost, the partial file removed; -EFBIG: larger than all may be together).
  */

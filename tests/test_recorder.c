@@ -272,16 +272,22 @@ static void test_what_memory_cannot_hold_is_the_next_event(void **state)
 	recorder_close(r);
 }
 
-static void test_a_miss_gives_its_name_to_another_reason(void **state)
+static void test_what_comes_in_floods_gives_way_to_the_rest(void **state)
 {
 	static const struct step step[] = {
-		{30, RECORDER_MISS}, {31, RECORDER_FAULT}, {32, RECORDER_WARN}};
+		{30, RECORDER_MISS},  {31, RECORDER_FAULT},   {32, RECORDER_MISS},
+		{130, RECORDER_MISS}, {131, RECORDER_FAULT},  {132, RECORDER_MARK},
+		{230, RECORDER_WARN}, {231, RECORDER_FAULT},  {232, RECORDER_MARK},
+		{330, RECORDER_MISS}, {331, RECORDER_REQUEST}};
+	static const char *const name[] = {"-fault.log", "-mark.log", "-warn.log", "-request.log"};
 	struct recorder *r = open_recorder(1 << 20);
-	char path[2][RECORDER_PATH_MAX];
+	char path[5][RECORDER_PATH_MAX];
 
 	(void)state;
-	assert_int_equal(run(r, step, 3, 50, path), 1);
-	assert_non_null(strstr(path[0], "-fault.log"));
+	assert_int_equal(run(r, step, 11, 350, path), 4);
+	for (int i = 0; i < 4; i++) {
+		assert_non_null(strstr(path[i], name[i]));
+	}
 	recorder_close(r);
 }
 
@@ -487,27 +493,64 @@ static void test_oldest_events_are_removed(void **state)
 	recorder_close(r);
 }
 
-/* The bound keeps what is there, not what would not fit alone. */
-static void test_an_event_larger_than_the_bound(void **state)
+/* An hour of faults and misses, and what was there before them. */
+static void test_floods_leave_room_for_the_others(void **state)
 {
-	struct recorder *r = open_recorder(3000);
+	struct recorder *r = open_recorder(20000);
 	char first[RECORDER_PATH_MAX], path[RECORDER_PATH_MAX];
+	uint64_t bytes = 0;
 
 	(void)state;
+	put_second(r, 20);
+	recorder_trigger(r, RECORDER_WARN, 20 * S);
+	assert_int_equal(recorder_service(r, 30 * S, 0, 0, first), 1);
+	for (int64_t t = 100; t <= 3700; t += 100) {
+		put_second(r, t);
+		recorder_trigger(r, t % 200 ? RECORDER_MISS : RECORDER_FAULT, t * S);
+		assert_int_equal(recorder_service(r, (t + 10) * S, 0, 0, path), 1);
+		assert_int_equal(access(path, F_OK), 0);
+	}
+	assert_int_equal(access(first, F_OK), 0);
+	assert_int_equal(access(requests_of(first), F_OK), 0);
+	for (unsigned i = 2; i <= r->serial; i++) {
+		snprintf(path, sizeof(path), "%s/event-%06u-%s.log", dir, i,
+			 i % 2 ? "fault" : "miss");
+		bytes += size_of(path) + size_of(requests_of(path));
+	}
+	assert_in_range(bytes, 9000, 10000);
+	recorder_close(r);
+}
+
+/* The bound keeps what is there, not what would not fit alone. */
+static void check_too_large(uint64_t bytes_max, enum recorder_reason why, int want)
+{
+	struct recorder *r = open_recorder(bytes_max);
+	char first[RECORDER_PATH_MAX], path[RECORDER_PATH_MAX];
+
 	put_second(r, 1000);
-	recorder_trigger(r, RECORDER_FAULT, 1000 * S);
+	recorder_trigger(r, RECORDER_WARN, 1000 * S);
 	assert_int_equal(recorder_service(r, 1010 * S, 0, 0, first), 1);
 	for (int64_t t = 2000; t <= 2030; t++) {
 		put_second(r, t);
 	}
-	recorder_trigger(r, RECORDER_MARK, 2020 * S);
-	assert_int_equal(recorder_service(r, 2030 * S, 0, 0, path), -EFBIG);
-	assert_string_equal(words(r, 0), "1 mark");
-	assert_int_equal(access(path, F_OK), -1);
-	assert_int_equal(access(requests_of(path), F_OK), -1);
+	recorder_trigger(r, why, 2020 * S);
+	assert_int_equal(recorder_service(r, 2030 * S, 0, 0, path), want);
+	assert_int_equal(r->last.of[why].n, 1);
+	assert_int_equal(access(path, F_OK), want < 0 ? -1 : 0);
+	assert_int_equal(access(requests_of(path), F_OK), want < 0 ? -1 : 0);
 	assert_int_equal(access(first, F_OK), 0);
 	assert_int_equal(access(requests_of(first), F_OK), 0);
 	recorder_close(r);
+}
+
+static void test_an_event_larger_than_the_bound(void **state)
+{
+	(void)state;
+	check_too_large(3000, RECORDER_MARK, -EFBIG);
+	check_too_large(20000, RECORDER_MARK, 1);
+	check_too_large(20000, RECORDER_MISS, -EFBIG);
+	check_too_large(20000, RECORDER_FAULT, -EFBIG);
+	check_too_large(40000, RECORDER_MISS, 1);
 }
 
 static void test_a_failed_write_leaves_no_partial_file(void **state)
@@ -605,7 +648,7 @@ int main(void)
 						make_dir, remove_dir),
 		cmocka_unit_test_setup_teardown(test_what_memory_cannot_hold_is_the_next_event,
 						make_dir, remove_dir),
-		cmocka_unit_test_setup_teardown(test_a_miss_gives_its_name_to_another_reason,
+		cmocka_unit_test_setup_teardown(test_what_comes_in_floods_gives_way_to_the_rest,
 						make_dir, remove_dir),
 		cmocka_unit_test_setup_teardown(test_all_is_written_at_exit, make_dir, remove_dir),
 		cmocka_unit_test_setup_teardown(test_no_trigger_goes_without, make_dir, remove_dir),
@@ -613,6 +656,8 @@ int main(void)
 		cmocka_unit_test_setup_teardown(test_lost_triggers_are_counted, make_dir,
 						remove_dir),
 		cmocka_unit_test_setup_teardown(test_a_race_loses_no_trigger_unsaid, make_dir,
+						remove_dir),
+		cmocka_unit_test_setup_teardown(test_floods_leave_room_for_the_others, make_dir,
 						remove_dir),
 		cmocka_unit_test_setup_teardown(test_an_event_larger_than_the_bound, make_dir,
 						remove_dir),

@@ -41,6 +41,21 @@ hash=$(sed -n 's/^10Hz: .* //p' "$tmp/out")
 ok "the same settings by hand" "$AEBMC" scenario false-activation --only plate --set radar.period=100
 like "have that hash" "$tmp/out" "configuration $hash;"
 
+"$AEBMC" generate --config $objects --drive follow --out "$tmp/drive.log"
+ok "a log as a row, by every rule" "$AEBMC" scenario false-activation --only recorded-drive --log "$tmp/drive.log" --compare --json
+json "the rules differ on it" "$tmp/out" \
+	'{r["rule"]: (r["runs"], r["early_requests"]) for r in j["rules"]} == {"ttc": (1, 0), "autoware": (1, 0), "ad-rss": (1, 1), "paper": (1, 1), "aebmc": (1, 0)}'
+"$AEBMC" generate --config $objects --drive brake --out "$tmp/drive.log"
+"$AEBMC" scenario false-activation --only recorded-drive --log "$tmp/drive.log" --json >"$tmp/ours.json"
+ok "one where braking is right, by time to collision" "$AEBMC" scenario false-activation --only recorded-drive \
+	--log "$tmp/drive.log" --rule ttc --json
+cp "$tmp/out" "$tmp/ttc.json"
+ok "warns as ever and brakes at another time" python3 -c '
+import json, sys
+ours, ttc = (json.load(open(f))["runs"][0] for f in sys.argv[1:])
+assert ours["full"] == ttc["full"] == 1 and ours["warn_s"] == ttc["warn_s"] and ours["full_s"] != ttc["full_s"], (ours, ttc)
+' "$tmp/ours.json" "$tmp/ttc.json"
+
 for drive in brake follow; do
 	"$AEBMC" generate --config $objects --drive $drive --out "$tmp/drive.log"
 	# shellcheck disable=SC2086 # several words

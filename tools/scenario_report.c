@@ -47,12 +47,17 @@ static double warn_of(const struct scenario_result *r)
 	return r->warn_s;
 }
 
+/* Of a log nobody's deceleration is noted. */
+static int is_calm(const struct scenario *s)
+{
+	return s->goal == GOAL_NO_REQUEST && !s->log;
+}
+
 /* NaN where none was unwanted. */
 static double added_of(const struct scenario *s, const struct scenario_result *r)
 {
-	return s->goal == GOAL_NO_REQUEST && isfinite(scenario_first(r))
-		       ? r->peak_after_mps2 - r->peak_before_mps2
-		       : NAN;
+	return is_calm(s) && isfinite(scenario_first(r)) ? r->peak_after_mps2 - r->peak_before_mps2
+							 : NAN;
 }
 
 static void add_run(struct scenario_row *row, const struct scenario *s,
@@ -132,7 +137,7 @@ static void add_to_sum(struct scenario_sum *sum, const struct scenario *s,
 			add_judged(&sum->in_evaluated, !scenario_passed(s, r));
 		}
 	}
-	sum->calm += s->goal == GOAL_NO_REQUEST;
+	sum->calm += is_calm(s);
 	sum->added_mps2 =
 		fmax(sum->added_mps2, added_of(s, r)); /* of NaN and a number: the number */
 	if (requested && !(r->warn_s < request_s)) {

@@ -44,6 +44,13 @@ is "which are" "$(cd "$dir" && echo ./*)" \
 figure "CPU against GPU: every stop of the record, none of which differs here" cpu-gpu \
 	"len(stops) == 256 and dots(paths['c0 d'][0]) == 256 and 'the same samples; largest difference 0.000000 m' in texts"
 figure "it names GPU and day" cpu-gpu "any('NVIDIA H200' in t and date in t for t in texts)"
+figure "and below, the differences in micrometres" cpu-gpu \
+	"sum(dots(d) for d in paths['c0 d'][1:]) == 256 and len({d.split()[1] for d in paths['c0 d'][1:]}) == 1 and '[\u00b5m]' in texts"
+for name in cpu-gpu distribution risk table1 time; do
+	figure "$name: this machine and day" $name "any(re.search(r'\\w, $(date +%Y-%m)-\\d\\d($|, \\d+ threads)', t) for t in texts)"
+done
+figure "budget: no word across a bar" budget \
+	"(lambda edges: len(edges) == 6 and all(e[1] <= 403 - 27 or e[0] >= 403 + 27 for e in edges))([(float(a) + 64, float(b) + 64) for k in ('c0 f', 'c1 f') for d in paths[k] for a, b in re.findall(r'M([0-9.]+) \S+H([0-9.]+)', d)])"
 figure "distribution: mean and standard deviation as Sec. VI has them" distribution \
 	"any(re.match(r'mean 79\.2\d m and one standard deviation, 12\.2\d m', t) for t in texts)"
 figure "risk: three thresholds, near those of the paper" risk \

@@ -8,8 +8,8 @@
 #define HEIGHT_PX 460
 #define LINES_MAX 6
 #define KERNELS   2
-#define BAR       0.32 /* of the distance between two budgets */
-#define BETWEEN   0.14 /* the two bars of a budget: room for what the paper prints */
+#define BAR       0.28 /* of the distance between two budgets */
+#define BETWEEN   0.28 /* the two bars of a budget: room for what the paper prints */
 
 /* ---- lines against N --------------------------------------------------------------------------- */
 

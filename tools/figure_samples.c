@@ -72,11 +72,35 @@ void figure_converge(FILE *out, const void *converge)
 
 /* ---- CPU against GPU --------------------------------------------------------------------------- */
 
+static void draw_difference(struct svg *s, const struct figure_scatter *f, const struct svg_axis *x)
+{
+	double most_m = 1e-6;
+
+	for (size_t i = 0; i < f->n; i++) {
+		most_m = fmax(most_m, fabs(f->gpu_m[i] - f->cpu_m[i]));
+	}
+	struct svg_panel panel = {
+		.x = *x,
+		.y = {.label = "[\302\265m]", .unit = 1e-6, .min = -most_m, .max = most_m},
+		.title = "Difference, GPU less CPU",
+		.share = 0.28};
+
+	panel.x.label = f->cpu;
+	svg_round_out(&panel.y);
+	svg_panel(s, &panel);
+	for (size_t i = 0; i < f->n; i++) {
+		const double dev_m = f->gpu_m[i] - f->cpu_m[i];
+
+		svg_dots(s, SVG_BLUE, &f->cpu_m[i], &dev_m, 1);
+	}
+}
+
 void figure_scatter(FILE *out, const void *scatter)
 {
 	const struct figure_scatter *f = scatter;
 	const struct svg_page page = {.width_px = 560,
-				      .height_px = 560,
+				      .height_px = 700,
+				      .shares = 1.28,
 				      .title = f->text.title,
 				      .subtitle = f->text.subtitle,
 				      .note = f->text.note};
@@ -88,12 +112,12 @@ void figure_scatter(FILE *out, const void *scatter)
 	struct svg_panel panel = {.x = axis, .y = axis};
 	const double ends[] = {axis.min, axis.max};
 
-	panel.x.label = f->cpu;
 	panel.y.label = f->gpu;
 	struct svg s = svg_start(out, &page);
 
 	svg_panel(&s, &panel);
 	svg_line(&s, SVG_GREY, SVG_DASHED, ends, ends, 2);
 	svg_dots(&s, SVG_BLUE, f->cpu_m, f->gpu_m, f->n);
+	draw_difference(&s, f, &axis);
 	svg_end(&s);
 }

@@ -94,8 +94,11 @@ static void draw_distance(struct svg *s, const struct figure_timeline *t)
 		{SVG_GREEN, SVG_KEY_LINE, "to the lead"},
 		{SVG_AMBER, SVG_KEY_LINE, "from which braking now is safe at 1 % risk"}};
 	struct svg_panel p = {.title = "Distance", .y = {.label = "[m]"}, .key = key, .keys = 2};
+	double safe_m = 0;
 
 	svg_cover(t->headway_m, t->n, &p.y.min, &p.y.max);
+	svg_cover(t->safe_m, t->n, &p.y.min, &safe_m);
+	p.y.max = fmax(p.y.max, fmin(safe_m, 3 * p.y.max)); /* beyond, nothing else could be seen */
 	p.y.min = 0;
 	svg_round_out(&p.y);
 	open_panel(s, t, &p);

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include "cli.h"
 #include "cmd.h"
 #include "compute.h"
@@ -119,7 +120,8 @@ static int compute_table1(struct paper *p, struct mc_backend *b)
 static int on_backend(struct paper *p, const struct compute_args *a,
 		      int (*compute)(struct paper *p, struct mc_backend *b))
 {
-	char cpu[100];
+	const time_t now = time(NULL);
+	char cpu[100], date[16];
 	struct mc_backend *b;
 	int error = mc_cpu_ops.open(&a->params, &b);
 
@@ -127,7 +129,9 @@ static int on_backend(struct paper *p, const struct compute_args *a,
 		return error;
 	}
 	cli_cpu_name(cpu, sizeof(cpu));
-	snprintf(p->machine, sizeof(p->machine), "%s, %.40s", cpu, mc_cpu_ops.describe(b));
+	strftime(date, sizeof(date), "%F", localtime(&now));
+	snprintf(p->machine, sizeof(p->machine), "%.60s, %.30s, %s", cpu, mc_cpu_ops.describe(b),
+		 date);
 	error = compute(p, b);
 	mc_cpu_ops.close(b);
 	return error;

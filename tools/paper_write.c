@@ -117,13 +117,13 @@ static int write_scatter(const struct paper *p)
 	snprintf(title, sizeof(title), "CPU against GPU: %u stopping distances", p->n_stops);
 	snprintf(subtitle, sizeof(subtitle), "the same samples; largest difference %.6f m",
 		 p->max_dev_m);
-	snprintf(gpu, sizeof(gpu), "on a %s, %s [m]", record.stops_gpu, record.stops_date);
+	snprintf(gpu, sizeof(gpu), "on the GPU: %s, %s [m]", record.stops_gpu, record.stops_date);
 	return write_figure(p, "cpu-gpu", title, figure_scatter, &f);
 }
 
 static int write_bench(const struct paper *p)
 {
-	char note[200], here[120];
+	char note[200], here[160];
 	struct figure_bench b = {.text = {"Time of a batch against the number of samples",
 					  "the paper's scene; medians", note},
 				 .paper = record.paper,
@@ -137,7 +137,7 @@ static int write_bench(const struct paper *p)
 
 	snprintf(note, sizeof(note), "GPU: %s; one core: %s; %s", record.gpu, record.cpu,
 		 record.date);
-	snprintf(here, sizeof(here), "the fast rollout on this machine: %.60s, %u threads",
+	snprintf(here, sizeof(here), "the fast rollout on this machine: %.90s, %u threads",
 		 p->machine, p->threads);
 	int code = write_figure(p, "time", b.text.title, figure_time, &b);
 

@@ -274,8 +274,9 @@ deps-build:
 deps-check:
 	$(Q)tools/deps $(DEPS_CHECK)
 	$(Q)test -x $(VENV)/bin/python || python3 -m venv $(VENV)
-	$(Q)$(VENV)/bin/python -c 'import cantools, can, mcap' 2>/dev/null || $(VENV)/bin/pip install -q cantools python-can mcap || \
-	echo 'cantools, python-can and mcap could not be installed from PyPI: their tests will be skipped'
+	$(Q)$(VENV)/bin/python -c 'import cantools, can, mcap, asammdf' 2>/dev/null || \
+	$(VENV)/bin/pip install -q cantools python-can mcap asammdf || \
+	echo 'cantools, python-can, mcap and asammdf could not be installed from PyPI: their tests will be skipped'
 	$(Q)test -z '$(HAVE_CUDA)' || test -d $(VENV)/lib/python3*/site-packages/nvidia/cuda_runtime || \
 	$(VENV)/bin/pip install -q nvidia-cuda-runtime-cu12==12.6.77 || \
 	echo 'the CUDA 12.6 runtime could not be installed from PyPI: its test will be skipped'

@@ -29,14 +29,31 @@ same() {
 	P
 }
 
+# advised FORMAT WORDS: not read as it is, but with the line that helps
+advised() {
+	for command in inputs replay; do
+		exits "$1: $command" 1 "$AEBMC" $command --config $conf "$tmp/x.$1"
+		is "$1: $command says what helps" "$(sed "s|$tmp/||g" "$tmp/err")" \
+			"aebmc $command: x.$1: looks like $2; python-can makes a candump log of it: can_logconvert x.$1 x.$1.log"
+	done
+	refuses 1 "$AEBMC" map can-dbc/vehicles/generic.dbc "$tmp/x.$1"
+	like "$1: map says what helps" "$tmp/err" "looks like $2; .*: can_logconvert "
+}
+
 formats="log blf asc trc"
 if $bin/python -c 'import asammdf' 2>/dev/null; then
 	formats="$formats mf4"
 else
-	echo "# MF4 is not tried: asammdf is not installed"
+	skip "mf4 to candump by can_logconvert" asammdf
 fi
 for format in $formats; do
 	$bin/can_logconvert "$tmp/drive.log" "$tmp/x.$format" >/dev/null 2>&1
+	case $format in
+	blf) advised blf "Vector BLF" ;;
+	asc) advised asc "Vector ASC" ;;
+	trc) advised trc "PCAN TRC" ;;
+	mf4) advised mf4 "ASAM MDF" ;;
+	esac
 	ok "$format to candump by can_logconvert" $bin/can_logconvert "$tmp/x.$format" "$tmp/$format.log"
 	name=$(awk 'NR == 1 { print $2 }' "$tmp/$format.log")
 	replay --set bus.interfaces="$name" --json "$tmp/$format.log" >"$tmp/$format.json" 2>"$tmp/err"

@@ -10,6 +10,7 @@
 #include "cli.h"
 #include "clock.h"
 #include "cmd.h"
+#include "foreign.h"
 #include "progress.h"
 #include "setup.h"
 
@@ -211,9 +212,7 @@ static int judge(const struct watch *w)
 	struct inputs_judge j;
 
 	if (!w->in->is_live && !w->in->frames) {
-		return cli_error(CLI_FAILED, w->name,
-				 "%s: no frame in it; a log of candump -L is needed",
-				 w->args->source);
+		return foreign_log(w->name, w->args->source);
 	}
 	inputs_judge(&j, w->in);
 	report(w, &j);

@@ -11,6 +11,7 @@
 #include "clock.h"
 #include "cmd.h"
 #include "config.h"
+#include "foreign.h"
 #include "map.h"
 
 #define BATCH 64
@@ -90,10 +91,7 @@ static int read_log(struct map *p, struct bus *bus)
 	if (n != -ENODATA) {
 		return cli_error(CLI_FAILED, p->name, "%s: %s", p->args->log, strerror(-n));
 	}
-	return p->m->frames ? 0
-			    : cli_error(CLI_FAILED, p->name,
-					"%s: no frame in it; a log of candump -L is needed",
-					p->args->log);
+	return p->m->frames ? 0 : foreign_log(p->name, p->args->log);
 }
 
 static int take_log(struct map *p)

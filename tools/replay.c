@@ -13,6 +13,7 @@
 #include "compare.h"
 #include "csv.h"
 #include "engine.h"
+#include "foreign.h"
 #include "replay.h"
 #include "requests.h"
 
@@ -299,7 +300,7 @@ static int no_frame(const struct replay *r)
 				  "%s: no frame on %s, but %" PRIu64
 				  " on other interfaces; see bus.interfaces",
 				  r->args->log, r->cfg.bus_interfaces, others)
-		      : cli_error(CLI_FAILED, r->name, "%s: no frame in it", r->args->log);
+		      : foreign_log(r->name, r->args->log);
 }
 
 static int explain(const struct replay *r, int error)

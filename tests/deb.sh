@@ -15,11 +15,19 @@ is "its version is the program's" "$(dpkg-deb -f "$deb" Version | cut -d- -f1)" 
 	"$("$AEBMC" --version | sed -n '1s/^aebmc \([0-9.]*\).*/\1/p')"
 exits "lintian" 0 lintian --fail-on error,warning "$deb"
 is "says nothing" "$(grep -v 'root privileges' "$tmp/out" "$tmp/err" | sed 's/^[^:]*://')" ""
-for library in libsystemd0 libsocketcan2 libc6; do
+for library in libsystemd0 libsocketcan2 libc6 liblttng-ust1 libbabeltrace2-0; do
 	like "it depends on $library" /dev/stdin "(^|[ ,])$library" <<-D
 		$(dpkg-deb -f "$deb" Depends)
 	D
 done
+for program in can-utils librsvg2-bin lttng-tools; do
+	like "it recommends $program" /dev/stdin "(^|[ ,])$program" <<-D
+		$(dpkg-deb -f "$deb" Recommends)
+	D
+done
+is "whatever it is built with is asked of the builder" \
+	"$(grep -oE 'lib[a-z0-9-]+-dev' systemd/debian/control | sort | tr '\n' ' ')" \
+	"libbabeltrace2-dev liblttng-ust-dev libsocketcan-dev libsystemd-dev "
 
 # what is in it, beside what make install brings
 dpkg-deb -x "$deb" "$tmp/root"
@@ -32,6 +40,9 @@ for page in man1/aebmc.1 man5/aebmcd.conf.5 man8/aebmcd.8; do
 	ok "$page" gzip -t "$tmp/root/usr/share/man/$page.gz"
 done
 ok "the programs run" sh -c "$tmp/root/usr/bin/aebmc --version && $tmp/root/usr/sbin/aebmcd --version"
+ok "the provider for LTTng is there" test -s "$tmp/root/usr/lib/aebmc/trace-lttng.so"
+exits "a report of what is no trace" 1 "$tmp/root/usr/bin/aebmc" report "$tmp/control"
+is "fails by the trace, not for want of babeltrace" "$(grep -c 'built without' "$tmp/err")" 0
 for car in "$tmp"/root/usr/share/aebmc/vehicles/*.conf; do
 	ok "${car##*/} is good from there" "$tmp/root/usr/sbin/aebmcd" --check-config "$car"
 done

@@ -39,8 +39,10 @@ like "the table has a row for each log" "$tmp/words" '^ +1 +0 +1 +0  \| +0 +0 +0
 like "and one for all" "$tmp/words" '^ +[0-9]+ +[0-9]+ +[0-9]+ +[0-9]+  \|.* 93\.4 s  all$'
 like "a picture is named" "$tmp/words" "^  picture $tmp/light\.log\.svg$"
 ok "it is there, and XML" python3 -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1])' "$tmp/light.log.svg"
+like "and shows what differs, five seconds more on either side" "$tmp/light.log.svg" \
+	">A .*; [56]\.[0-9] to 1[5-9]\.[0-9] s of 30\.0 s</text>"
 exits "none of a log without a difference" 1 test -e "$tmp/follow.log.svg"
-awk '{ t = substr($1, 2) + 0; if (!from) from = t; if (t - from < 4 || t - from >= 7) print }' "$tmp/light.log" >"$tmp/hole.log"
+awk '{ t = substr($1, 2) + 0; if (!from) from = t; if (t - from < 7 || t - from >= 8.5) print }' "$tmp/light.log" >"$tmp/hole.log"
 ok "a log with a hole" "$AEBMC" replay $both $few --pictures "$tmp" "$tmp/hole.log"
 for log in light.1 hole.2; do
 	is "lines of ${log%.*} in so many pieces: ${log#*.}" "$(python3 -c 'import sys, xml.dom.minidom as m

@@ -26,6 +26,10 @@ like "it names the nearest signal" "$tmp/err" "message EGO has no signal 'SPED';
 refuses 1 "$AEBMC" map $cars/generic.dbc --role ego_speed=EGOS.SPEED
 like "it names the nearest message" "$tmp/err" "no message 'EGOS'; nearest is 'EGO'"
 refuses 1 "$AEBMC" map $cars/generic.dbc --role ego_speed=EGO
+for role in ego_speed distance rel_speed; do
+	refuses 1 "$AEBMC" map $cars/generic.dbc --role $role=none --out -
+	like "$role cannot be none" "$tmp/err" "map: $role: cannot be none: "
+done
 refuses 1 "$AEBMC" map $cars/generic.dbc --role ego_speed=EGO.SPEED:furlong
 like "it lists the units" "$tmp/err" "m/s, km/h"
 
@@ -79,6 +83,10 @@ ok "told that there is none" "$AEBMC" map "$tmp/two.dbc" --role ego_speed=EGO.SP
 	--out "$tmp/two.conf" --force
 like "which leaves it unmapped" "$tmp/two.conf" '^# \[signal yaw_rate\]: not mapped'
 like "and a unit as told" "$tmp/two.conf" '^unit = km/h$'
+sed '/DIST_LONG/s/"m"/"dm"/' $cars/generic.dbc >"$tmp/dm.dbc"
+exits "a unit that is not known" 1 "$AEBMC" map "$tmp/dm.dbc" --out "$tmp/dm.conf"
+like "is said to be the cause" "$tmp/out" "^  LEAD\.DIST_LONG is named so, but its unit 'dm' is not known; --role distance=LEAD\.DIST_LONG:UNIT with one of: m, .*cm, mm$"
+ok "which helps" "$AEBMC" map "$tmp/dm.dbc" --out "$tmp/dm.conf" --role distance=LEAD.DIST_LONG:cm
 sed '/GenMsgCycleTime/d' $cars/generic.dbc >"$tmp/timeless.dbc"
 exits "no cycle times and no log" 1 "$AEBMC" map "$tmp/timeless.dbc" --out "$tmp/timeless.conf"
 like "says what is missing" "$tmp/err" 'period = MS'

@@ -127,7 +127,12 @@ static int decide(struct map *p, enum mapper_role role, const char *text)
 	snprintf(copy, sizeof(copy), "%s", text);
 	c->taken = -1;
 	if (!strcmp(copy, "none")) {
-		return 0;
+		return mapper_role_table[role].required
+			       ? cli_error(CLI_FAILED, p->name,
+					   "%s: cannot be none: aebmcd takes no configuration "
+					   "without it",
+					   mapper_role_table[role].name)
+			       : 0;
 	}
 	char *unit = strchr(copy, ':');
 
@@ -163,7 +168,7 @@ static void show_candidate(const struct map *p, const char *mark, const struct m
 static void show(const struct map *p, enum mapper_role role)
 {
 	const struct mapper_choice *c = &p->choice[role];
-	char mark[16];
+	char mark[16], list[128];
 
 	fprintf(p->words, "%s: %s\n", mapper_role_table[role].name, mapper_role_table[role].doc);
 	for (int i = 0; i < c->n && i < SHOWN; i++) {
@@ -172,6 +177,15 @@ static void show(const struct map *p, enum mapper_role role)
 	}
 	if (c->taken < 0) {
 		fprintf(p->words, "  %s\n", c->n ? "none taken" : "no candidate");
+	}
+	if (c->taken < 0 && c->strange) {
+		fprintf(p->words,
+			"  %s.%s is named so, but its unit '%s' is not known; --role %s=%s.%s:UNIT "
+			"with one of: %s\n",
+			p->m->family[c->strange_family].name, c->strange->name, c->strange->unit,
+			mapper_role_table[role].name, p->m->family[c->strange_family].name,
+			c->strange->name,
+			unit_list(mapper_role_table[role].unit, list, sizeof(list)));
 	}
 }
 

@@ -100,7 +100,10 @@ struct mapper_candidate {
 struct mapper_choice {
 	int n; /* candidates, best first */
 	struct mapper_candidate at[MAPPER_CANDIDATES_MAX];
-	int taken; /* -1: none */
+	int taken;                        /* -1: none */
+	const struct dbc_signal *strange; /* named best of those whose unit is not known; NULL */
+	int strange_family;
+	double strange_points;
 };
 
 /** mapper_open - @dbc must outlive it. Allocates. 0 or -ENOMEM. */

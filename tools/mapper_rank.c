@@ -286,6 +286,16 @@ static void keep(struct mapper_choice *c, const struct mapper_candidate *new)
 	c->n += c->n < MAPPER_CANDIDATES_MAX;
 }
 
+static void keep_strange(struct mapper_choice *c, int family, const struct dbc_signal *s,
+			 double points)
+{
+	if (points > c->strange_points) {
+		c->strange = s;
+		c->strange_family = family;
+		c->strange_points = points;
+	}
+}
+
 static void judge(const struct mapper *m, enum mapper_role role,
 		  const struct mapper_candidate *distance, struct mapper_candidate *c)
 {
@@ -357,8 +367,11 @@ static void try_signal(const struct mapper *m, enum mapper_role role, int family
 		return;
 	}
 	add(&c, points, points > 0 ? "named so" : "by its unit");
-	if (!judge_unit(&c, mapper_role_table[role].unit) ||
-	    (role == MAPPER_ego_speed && add_wheels(&c, msg, at))) {
+	if (!judge_unit(&c, mapper_role_table[role].unit)) {
+		keep_strange(choice, family, s, points);
+		return;
+	}
+	if (role == MAPPER_ego_speed && add_wheels(&c, msg, at)) {
 		return;
 	}
 	judge(m, role, distance, &c);
@@ -374,6 +387,8 @@ void mapper_rank(const struct mapper *m, enum mapper_role role, int family,
 
 	c->n = 0;
 	c->taken = -1;
+	c->strange = NULL;
+	c->strange_points = 0;
 	for (int i = 0; i < m->n_families; i++) {
 		const int here = role == MAPPER_distance || whose == MAPPER_TARGET
 					 ? family < 0 || i == family

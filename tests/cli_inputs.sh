@@ -16,6 +16,8 @@ refuses 2 "$AEBMC" inputs --config $car a.log b.log
 refuses 2 "$AEBMC" inputs --config $car --seconds 0 a.log
 refuses 78 "$AEBMC" inputs --config "$tmp/nosuch.conf" a.log
 refuses 1 "$AEBMC" inputs --config $car "$tmp/nosuch.log"
+like "it names the mapping's interfaces" "$tmp/err" "nosuch.log: no such file, and not one of bus.interfaces: can0$"
+refuses 1 "$AEBMC" inputs --config $car can9
 refuses 1 "$AEBMC" inputs --config $car "$tmp"
 refuses 1 "$AEBMC" inputs --config $car /dev/null
 like "there is no frame in it" "$tmp/err" "/dev/null: no frame in it"

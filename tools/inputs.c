@@ -236,11 +236,23 @@ static int run(struct watch *w)
 	return judge(w);
 }
 
+/* Neither an interface of the mapping nor a file. */
+static int is_neither(const struct mapping *map, const char *name)
+{
+	return !is_interface(map, name) && strcmp(name, "-") != 0 && access(name, F_OK) &&
+	       errno == ENOENT;
+}
+
 static int open_and_run(struct watch *w, const struct mapping *map)
 {
 	char err[512];
 	int error;
 
+	if (is_neither(map, w->args->source)) {
+		return cli_error(CLI_FAILED, w->name,
+				 "%s: no such file, and not one of bus.interfaces: %s",
+				 w->args->source, w->in->cfg->bus_interfaces);
+	}
 	if (is_interface(map, w->args->source)) {
 		error = open_live(w->in, &w->bus, err, sizeof(err));
 	} else {

@@ -80,8 +80,14 @@ is "is told once" "$(wc -l <"$tmp/err")" 1
 like "and named" "$tmp/err" "none.log: cannot read"
 like "the others are compared" "$tmp/out" '1 +0  \|.*light\.log$'
 like "its row says so" "$tmp/out" '^failed .*none\.log$'
-exits "pictures into a folder that is not there" 1 "$AEBMC" replay $both $few --pictures "$tmp/none" "$tmp/light.log"
-is "are told once" "$(wc -l <"$tmp/err")" 1
+ok "pictures into a folder that is not there" "$AEBMC" replay $both $few --pictures "$tmp/new" "$tmp/light.log"
+ok "which is made" test -s "$tmp/new/light.log.svg"
+refuses 1 "$AEBMC" replay $both $few --pictures "$tmp/words/x" "$tmp/light.log"
+like "a folder that cannot be made is told" "$tmp/err" '/words/x: Not a directory$'
+mkdir -p "$tmp/taken/light.log.svg"
+exits "a picture that cannot be written" 1 "$AEBMC" replay $both $few --pictures "$tmp/taken" "$tmp/light.log"
+is "is told once" "$(wc -l <"$tmp/err")" 1
+is "and is not said to be there" "$(grep -c '^  picture' "$tmp/out")" 0
 
 # a replay never writes over what it reads
 cp $a "$tmp/own.conf"

@@ -6,6 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include "cli.h"
@@ -282,7 +283,12 @@ static int finish_log(struct work *w, int at)
 	if (error) {
 		return cli_error(CLI_FAILED, w->name, "%s", strerror(-error));
 	}
-	return l->picture ? compare_picture(w->name, w->args, l) : 0;
+	if (l->picture && compare_picture(w->name, w->args, l)) {
+		free(l->picture);
+		l->picture = NULL;
+		return CLI_FAILED;
+	}
+	return 0;
 }
 
 static void report(const struct work *w)
@@ -348,6 +354,9 @@ int compare_main(const char *name, const struct replay_args *a)
 
 	if (code) {
 		return code;
+	}
+	if (a->pictures && mkdir(a->pictures, 0777) && errno != EEXIST) {
+		return cli_error(CLI_FAILED, name, "%s: %s", a->pictures, strerror(errno));
 	}
 	w.log = calloc((size_t)a->n_logs, sizeof(*w.log));
 	w.job = calloc((size_t)w.jobs, sizeof(*w.job));

@@ -62,7 +62,7 @@ struct compare_diff {
 
 struct compare_log {
 	const char *path;
-	char *picture; /* where it was drawn, NULL: nowhere */
+	char *picture; /* where it was drawn, NULL: nowhere, or that failed */
 	struct compare_run run[SIDES];
 	struct compare_diff diff[KINDS];
 	char said[SIDES][COMPARE_SAID]; /* what a replay that failed had to say */

@@ -169,7 +169,7 @@ RUN_FLAGS  ?=
 SCRIPTS    := $(sort $(filter-out tests/tap.sh tests/deb.sh,$(wildcard tests/*.sh)))
 # What test programs need of the tools beyond what they include.
 INPUTS_OBJ := $(call obj,$(filter-out tools/inputs.c,$(wildcard tools/inputs_*.c)) tools/stretch.c tools/census.c)
-$(O)/tests/test_inputs: $(INPUTS_OBJ)
+$(O)/tests/test_inputs: $(INPUTS_OBJ) $(call obj,tools/foreign.c)
 $(O)/tests/test_fuzz: $(INPUTS_OBJ) $(call obj,$(wildcard tools/mapper_*.c))
 $(O)/tests/%: $(O)/tests/%.o $(LIBD) $(LIBMC)
 	$(call say,LD,$@)

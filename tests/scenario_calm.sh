@@ -20,6 +20,9 @@ json "runs that could request are told from those that could not" "$tmp/calm.jso
 	'{r["row"] for r in j["runs"] if not r["evaluations"]} == {"plate", "parked-pair", "curve-neighbour-60"}'
 json "and judged by themselves too" "$tmp/calm.json" \
 	'(lambda s: s["runs_evaluated"] == s["runs"] - 3 and s["judged_evaluated"] == s["judged"] - 3 and s["failed_evaluated_hi"] > s["failed_hi"] > 0)(j["sum"])'
+ok "the rows" "$AEBMC" scenario false-activation --list
+like "and the picture that they rest on" "$tmp/out" \
+	"^plate-flickers +the radar's target: existence 0.45, from 80 m to 12 m, missed in 40 % of the scans$"
 ok "in words" "$AEBMC" scenario false-activation --only plate
 like "which rows could not" "$tmp/out" '^plate-flickers .* passed, never evaluated$'
 like "and how many could" "$tmp/out" '^3 runs, 0 with contact, 1 with a request, 1 with an evaluation$'

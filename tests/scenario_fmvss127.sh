@@ -75,6 +75,24 @@ assert [replay[k] for k in ("warn", "partial", "full")] == [run[k] for k in ("wa
 assert abs(first["warn"] - run["warn_s"]) < 0.0015 and abs(first["full"] - run["full_s"]) < 0.0015, (first, run)
 ' "$tmp/short.json" "$tmp/replay.json" $row
 
+# any run of a drawn table
+ok "a drawn table" "$AEBMC" scenario fmvss127 --only $row-driver --vehicles 3 --seed 2 --json
+cp "$tmp/out" "$tmp/drawn.json"
+ok "its third run as a log" "$AEBMC" scenario fmvss127 --log-run $row-driver --car 3 --seed 2 --out "$tmp/third.log"
+# shellcheck disable=SC2086 # several words
+ok "replay that" "$AEBMC" replay --config $objects $settings --json "$tmp/third.log"
+cp "$tmp/out" "$tmp/third.json"
+ok "it decides as that run did, not as its neighbours" python3 -c '
+import json, sys
+runs = {r["car"]: r for r in json.load(open(sys.argv[1]))["runs"]}
+first = {}
+for e in json.load(open(sys.argv[2]))["events"]:
+    first.setdefault(e["level"], e["time_s"] + 0.001)
+def same(r):
+    return all(abs(first.get(k, -1) - (r[k + "_s"] or -1)) < 0.0015 for k in ("warn", "partial", "full"))
+assert [k for k in runs if same(runs[k])] == [3], (first, runs)
+' "$tmp/drawn.json" "$tmp/third.json"
+
 cp "$tmp/run.log" "$tmp/before.log"
 refuses 1 env CUDA_VISIBLE_DEVICES= "$AEBMC" scenario fmvss127 --log-run $row --set mc.backend=cuda --out "$tmp/run.log"
 like "no GPU is there, whatever the machine" "$tmp/err" 'cannot open the cuda backend'
@@ -82,12 +100,37 @@ ok "a run that cannot begin leaves the log as it was" cmp "$tmp/run.log" "$tmp/b
 
 # other rules on the same runs
 ok "compare" "$AEBMC" scenario fmvss127 --short --only brake-80 --compare --json
+json "all of it" "$tmp/out" 'j["interrupted"] is False and j["suite_rows"] == 213'
 json "the daemon among five rules, and it alone neither touches nor brakes early" "$tmp/out" \
 	'[r["rule"] for r in j["rules"]] == ["ttc", "autoware", "ad-rss", "paper", "aebmc"] and [r["rule"] for r in j["rules"] if r["contacts"] == r["early_requests"] == 0] == ["aebmc"]'
 ok "one rule" "$AEBMC" scenario false-activation --only follow-80 --rule ad-rss --json
 json "which brakes where nothing happens" "$tmp/out" 'j["rule"] == "ad-rss" and j["runs"][0]["full"] > 0'
 ok "in words" "$AEBMC" scenario false-activation --only follow-80 --rule ad-rss
 like "what it added" "$tmp/out" '^follow-80-12m .* REQUEST, added 9\.[0-9]{2} m/s2$'
+
+# which rows, and of how many
+ok "the rows" "$AEBMC" scenario fmvss127 --list
+is "one line each" "$(wc -l <"$tmp/out")" 213
+ok "as JSON" "$AEBMC" scenario fmvss127 --short --list --json
+json "their names and goals" "$tmp/out" \
+	'[r["row"] for r in j["rows"]] == [r["row"] for r in json.load(open("'"$tmp/short.json"'"))["runs"]] and {r["goal"] for r in j["rows"]} == {"no contact"}'
+json "a part of the suite is told as one" "$tmp/short.json" 'j["rows"] == len(j["runs"]) and j["suite_rows"] == 213'
+ok "in words" "$AEBMC" scenario fmvss127 --only stopped-80
+like "of how many rows" "$tmp/out" '^2 of 213 rows, 1 nominal car each'
+ok "compared" "$AEBMC" scenario fmvss127 --only stopped-10 --compare
+like "of how many too" "$tmp/out" '^fmvss127, 2 of 213 rows of 1 cars'
+
+# Ctrl-C
+"$AEBMC" scenario fmvss127 --vehicles 1000 --threads 1 --csv "$tmp/cut.csv" --html "$tmp/cut.html" >"$tmp/out" 2>"$tmp/err" &
+interrupt $! 0.5
+wait $!
+is "interrupted: exit 1 and one line" "$? $(cat "$tmp/err")" "1 aebmc scenario: interrupted"
+ok "and no file without a figure" sh -c "! ls $tmp/cut.csv $tmp/cut.html"
+"$AEBMC" scenario fmvss127 --vehicles 1000 --threads 1 --compare --json >"$tmp/cut.json" 2>"$tmp/err" &
+interrupt $! 0.5
+wait $!
+is "a comparison too" "$? $(cat "$tmp/err")" "1 aebmc scenario: interrupted"
+json "which says so" "$tmp/cut.json" 'j["interrupted"] is True and j["rules"] == []'
 
 refuses 2 "$AEBMC" scenario
 refuses 2 "$AEBMC" scenario fmvss
@@ -96,6 +139,16 @@ refuses 2 "$AEBMC" scenario fmvss127 ncap-ccr
 refuses 2 "$AEBMC" scenario fmvss127 --only nosuchrow
 refuses 2 "$AEBMC" scenario fmvss127 --log-run nosuchrow
 refuses 2 "$AEBMC" scenario fmvss127 --rule rss
+for with in "--rule ttc" --compare --json "--csv $tmp/x" "--html $tmp/x" --list "--vehicles 2" "--live vcan0"; do
+	# shellcheck disable=SC2086 # several words
+	refuses 2 "$AEBMC" scenario fmvss127 --log-run stopped-80 $with
+done
+refuses 2 "$AEBMC" scenario false-activation --log-run recorded-drive --log "$tmp/run.log"
+refuses 2 "$AEBMC" scenario fmvss127 --only stopped-80 --out "$tmp/x"
+refuses 2 "$AEBMC" scenario fmvss127 --only stopped-80 --car 0
+refuses 2 "$AEBMC" scenario fmvss127 --log-run stopped-80 --car -1
+refuses 2 "$AEBMC" scenario fmvss127 --list --csv -
+ok "none of them left a file" sh -c "! ls $tmp/x"
 refuses 2 "$AEBMC" scenario fmvss127 --json --csv -
 refuses 2 "$AEBMC" scenario fmvss127 --html - --csv -
 refuses 2 "$AEBMC" scenario fmvss127 --compare --rule ttc

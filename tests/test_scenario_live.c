@@ -7,6 +7,7 @@
 
 #include "../tools/cli.c"
 #include "../tools/plant.c"
+#include "../tools/progress.c"
 #include "../tools/scenario_draw.c"
 #include "../tools/scenario_latest.c"
 #include "../tools/scenario_live.c"
@@ -96,6 +97,8 @@ static struct scenario_plan plan(void)
 				      .latest_s = &o.latest_s};
 }
 
+static struct progress silent;
+
 static void brakes_in_time(void **state)
 {
 	const struct scenario_plan p = plan();
@@ -103,7 +106,7 @@ static void brakes_in_time(void **state)
 
 	(void)state;
 	o.full_ms = 3500;
-	assert_int_equal(scenario_live_run(&o.bus, &p, 0, 0, &r), 0);
+	assert_int_equal(scenario_live_run(&o.bus, &p, 0, 0, &silent, &r), 0);
 	assert_int_equal(r.contact, 0);
 	assert_true(fabs(r.full_s - 3.5) < 0.021 && r.full == 1 && r.peak_after_mps2 > 9);
 	assert_true(r.closest_m > 1 && r.closest_m < 15);
@@ -119,8 +122,35 @@ static void nobody_brakes(void **state)
 
 	(void)state;
 	o.full_ms = INT64_MAX;
-	assert_int_equal(scenario_live_run(&o.bus, &p, 0, 0, &r), 0);
+	assert_int_equal(scenario_live_run(&o.bus, &p, 0, 0, &silent, &r), 0);
 	assert_true(r.contact && fabs(r.impact_mps - 20) < 0.1 && isnan(r.full_s));
+}
+
+/* A line that is on, as it is after two seconds at a terminal: it names the run. */
+static void a_person_sees_how_far_it_is(void **state)
+{
+	struct progress line = {.what = "# test", .on = 1};
+	struct scenario_plan p = plan();
+	struct scenario_result r;
+	char text[256] = "";
+	int pipe_fd[2];
+
+	(void)state;
+	p.cars = 4;
+	assert_int_equal(pipe(pipe_fd), 0);
+	const int was = dup(STDERR_FILENO);
+
+	dup2(pipe_fd[1], STDERR_FILENO);
+	const int ret = scenario_live_run(&o.bus, &p, 0, 2, &line, &r);
+
+	dup2(was, STDERR_FILENO);
+	assert_int_equal(ret, 0);
+	assert_true(line.shown && read(pipe_fd[0], text, sizeof(text) - 1) > 0);
+	assert_non_null(strstr(text, "50 %"));
+	assert_non_null(strstr(text, "2 of 4 runs, stopped"));
+	close(was);
+	close(pipe_fd[0]);
+	close(pipe_fd[1]);
 }
 
 static void errors_of_the_bus_end_it(void **state)
@@ -130,7 +160,7 @@ static void errors_of_the_bus_end_it(void **state)
 
 	(void)state;
 	o.error = -EIO;
-	assert_int_equal(scenario_live_run(&o.bus, &p, 0, 0, &r), -EIO);
+	assert_int_equal(scenario_live_run(&o.bus, &p, 0, 0, &silent, &r), -EIO);
 }
 
 int main(void)
@@ -138,6 +168,8 @@ int main(void)
 	const struct CMUnitTest tests[] = {
 		cmocka_unit_test_setup_teardown(brakes_in_time, open_other, close_other),
 		cmocka_unit_test_setup_teardown(nobody_brakes, open_other, close_other),
+		cmocka_unit_test_setup_teardown(a_person_sees_how_far_it_is, open_other,
+						close_other),
 		cmocka_unit_test_setup_teardown(errors_of_the_bus_end_it, open_other, close_other),
 	};
 

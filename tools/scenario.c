@@ -4,6 +4,8 @@
 #include "scenario.h"
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include "cli.h"
 #include "cmd.h"
 #include "engine.h"
@@ -14,9 +16,7 @@
 
 static int list(const struct scenario_work *w)
 {
-	for (int i = 0; i < w->plan.rows; i++) {
-		puts(w->row[i].name);
-	}
+	scenario_list(stdout, w->args->json, &w->plan);
 	return CLI_GOOD;
 }
 
@@ -47,18 +47,37 @@ static int open_files(const struct scenario_work *w, struct files *f)
 	return (a->csv && !f->csv) || (a->html && !f->html) ? CLI_FAILED : 0;
 }
 
-static int close_files(const struct scenario_work *w, const struct files *f, int written)
+/* No file is better than one without a figure in it. */
+static int discard(const char *name, const char *path, FILE *f)
+{
+	struct stat st;
+	const int is_file = f != stdout && !fstat(fileno(f), &st) && S_ISREG(st.st_mode);
+	const int code = cli_close(name, path, f);
+
+	if (is_file) {
+		unlink(path);
+	}
+	return code;
+}
+
+static int discard_files(const struct scenario_work *w, const struct files *f)
+{
+	int code = f->csv ? discard(w->name, w->args->csv, f->csv) : 0;
+
+	code |= f->html ? discard(w->name, w->args->html, f->html) : 0;
+	return code;
+}
+
+static int write_files(const struct scenario_work *w, const struct files *f)
 {
 	int code = 0;
 
 	if (f->csv) {
-		if (written) {
-			scenario_csv(f->csv, &w->plan, w->result);
-		}
+		scenario_csv(f->csv, &w->plan, w->result);
 		code = cli_close(w->name, w->args->csv, f->csv);
 	}
 	if (f->html) {
-		const int error = written ? scenario_html(f->html, &w->plan, w->result) : 0;
+		const int error = scenario_html(f->html, &w->plan, w->result);
 		const int closing = cli_close(w->name, w->args->html, f->html);
 
 		code = error ? cli_error(CLI_FAILED, w->name, "%s", strerror(-error)) : code;
@@ -77,7 +96,7 @@ static int suite(struct scenario_work *w)
 				     : scenario_pool(&w->plan, w->result);
 	}
 
-	const int closing = close_files(w, &f, !code);
+	const int closing = code ? discard_files(w, &f) : write_files(w, &f);
 
 	code = code ? code : report(w);
 	return closing ? closing : code;
@@ -87,7 +106,7 @@ static int log_run(struct scenario_work *w)
 {
 	const struct config *cfg = &w->told[0];
 	const struct scenario_draw d =
-		scenario_draw(&w->cfg, w->row, w->plan.seed, w->plan.first_car);
+		scenario_draw(&w->cfg, w->row, w->plan.seed, (int)w->args->car);
 	struct scenario_bench b = {.cfg = cfg, .map = w->map};
 	enum publish_backend which;
 	struct scenario_result r;

@@ -38,6 +38,7 @@ enum {
 	KEY_LOG,
 	KEY_LIVE,
 	KEY_LOG_RUN,
+	KEY_CAR,
 	KEY_OUT
 };
 
@@ -45,7 +46,8 @@ static const struct argp_option options[] = {
 	{"vehicles", KEY_VEHICLES, "K", 0,
 	 "repeat each row with K drawn cars, sensors and drivers (otherwise the nominal ones)", 1},
 	{"samples", KEY_SAMPLES, "N", 0, "samples of one evaluation (mc.samples)", 1},
-	{"short", KEY_SHORT, NULL, 0, "the fewest rows that still mean something", 1},
+	{"short", KEY_SHORT, NULL, 0,
+	 "the fewest rows that still mean something; their samples stay", 1},
 	{"only", KEY_ONLY, "TEXT", 0, "those rows alone whose name has TEXT in it", 1},
 	{"preset", KEY_PRESET, "NAME", 0,
 	 "regulation (the default): brake.accel=-9.5, vehicle.bound=friction, road.mu=1.02; none: "
@@ -65,7 +67,10 @@ static const struct argp_option options[] = {
 	{"live", KEY_LIVE, "IFACE", 0, "in real time against a daemon on this interface", 4},
 	{"log-run", KEY_LOG_RUN, "ROW", 0,
 	 "this row alone: write what the car sends as a candump log, for aebmc replay", 4},
-	{"out", KEY_OUT, "FILE", 0, "where to; - is standard output, the default", 4},
+	{"car", KEY_CAR, "K", 0, "with --log-run: the K-th car of --vehicles (0, the nominal one)",
+	 4},
+	{"out", KEY_OUT, "FILE", 0, "with --log-run: where to; - is standard output, the default",
+	 4},
 	{0},
 };
 static const struct argp_child children[] = {{&setup_argp, 0, NULL, 0}, {0}};
@@ -135,6 +140,22 @@ static int is_stdout(const char *path)
 	return path && !strcmp(path, "-");
 }
 
+/* It writes one run and judges none. */
+static error_t check_log_run(struct scenario_args *a, const struct argp_state *st)
+{
+	if (!a->log_run && (a->out || a->car >= 0)) {
+		return cli_bad(st, "--out and --car go with --log-run");
+	}
+	if (a->log_run && (a->cars || a->rule || a->compare || a->json || a->csv || a->html ||
+			   a->list || a->log || a->live)) {
+		return cli_bad(st, "--log-run goes without --vehicles, --rule, --compare, --json, "
+				   "--csv, --html, --list, --log and --live");
+	}
+	a->out = a->out ? a->out : "-";
+	a->car = a->car < 0 ? 0 : a->car;
+	return 0;
+}
+
 static error_t check(struct scenario_args *a, const struct argp_state *st)
 {
 	if (!a->suite) {
@@ -144,14 +165,20 @@ static error_t check(struct scenario_args *a, const struct argp_state *st)
 		return cli_bad(st,
 			       "only one of --json, --csv - and --html - can have standard output");
 	}
-	if (a->compare && (a->rule || a->csv || a->html || a->log_run)) {
-		return cli_bad(st, "--compare goes without --rule, --csv, --html and --log-run");
+	if (a->compare && (a->rule || a->csv || a->html)) {
+		return cli_bad(st, "--compare goes without --rule, --csv and --html");
 	}
 	if (a->log && (a->cars || strcmp(a->suite->name, "false-activation") != 0)) {
 		return cli_bad(st, "--log goes with false-activation, and without --vehicles");
 	}
-	if (a->live && (a->log || a->rule || a->compare || a->log_run)) {
-		return cli_bad(st, "--live goes without --log, --rule, --compare and --log-run");
+	if (a->live && (a->log || a->rule || a->compare)) {
+		return cli_bad(st, "--live goes without --log, --rule and --compare");
+	}
+	if (a->list && (a->csv || a->html || a->compare)) {
+		return cli_bad(st, "--list goes without --csv, --html and --compare");
+	}
+	if (check_log_run(a, st)) {
+		return EINVAL;
 	}
 	a->words = !a->json && !is_stdout(a->csv) && !is_stdout(a->html);
 	return a->live && apply_live(a, st) ? EINVAL : apply_preset(a, st);
@@ -207,6 +234,8 @@ static error_t parse(int key, char *arg, struct argp_state *st)
 	case KEY_LOG_RUN:
 		a->log_run = arg;
 		return 0;
+	case KEY_CAR:
+		return cli_count(st, "--car", arg, 0, 100000, &a->car);
 	case KEY_OUT:
 		a->out = arg;
 		return 0;
@@ -232,7 +261,7 @@ static const struct argp argp = {
 
 int scenario_args(int argc, char **argv, struct scenario_args *a)
 {
-	*a = (struct scenario_args){.out = "-", .seed = 1};
+	*a = (struct scenario_args){.seed = 1, .car = -1};
 	setup_bundled(&a->setup, CONFIG_DEFAULT);
 	return cli_parse(&argp, argc, argv, a);
 }

@@ -12,11 +12,11 @@
 struct scenario_args {
 	struct setup setup; /* with the preset's settings before the user's */
 	const struct scenario_suite *suite;
-	const char *csv, *html, *only, *log_run, *log, *live; /* NULL: not given */
-	const char *out;
-	const struct rule *rule;        /* NULL: the daemon's own */
-	int64_t cars, samples, threads; /* 0: not given */
+	const char *csv, *html, *only, *log_run, *out, *log, *live; /* NULL: not given */
+	const struct rule *rule;                                    /* NULL: the daemon's own */
+	int64_t cars, samples, threads;                             /* 0: not given */
 	int64_t seed;
+	int64_t car; /* that log_run writes, 0 is the nominal one */
 	size_t preset;
 	char interfaces[64]; /* the setting that live stands for */
 	int json, words;     /* on standard output; neither where a file goes there */

@@ -4,6 +4,7 @@
 #include "scenario_compare.h"
 #include <inttypes.h>
 #include <math.h>
+#include "cli.h"
 #include "json.h"
 #include "rules.h"
 
@@ -68,13 +69,15 @@ static void head(FILE *out, const struct scenario_plan *p)
 	char hash[20];
 
 	snprintf(hash, sizeof(hash), "%016" PRIx64, config_hash(p->cfg, p->map));
+	fprintf(out, "%s, ", p->suite->name);
+	scenario_rows(out, p);
 	fprintf(out,
-		"%s, %d rows of %d cars, full braking %g m/s2, configuration %s\n"
+		" of %d cars, full braking %g m/s2, configuration %s\n"
 		"early: requested more than 1 s before the physical limit, or where nothing calls "
 		"for "
 		"it\n\n%-9s %6s %9s %10s %10s %14s\n%-9s %6s %9s %10s %10s %14s\n",
-		p->suite->name, p->rows, p->cars, p->cfg->brake_accel, hash, "", "", "", "impact",
-		"impact", "", "rule", "runs", "contacts", "most m/s", "mean m/s", "early");
+		p->cars, p->cfg->brake_accel, hash, "", "", "", "impact", "impact", "", "rule",
+		"runs", "contacts", "most m/s", "mean m/s", "early");
 }
 
 /* Returns the pool's code; the daemon's own way comes last. */
@@ -91,6 +94,8 @@ int scenario_compare(FILE *out, int as_json, const struct scenario_plan *p,
 	if (as_json) {
 		json_head(&j, "scenario_compare");
 		json_str(&j, "suite", p->suite->name);
+		json_uint(&j, "rows", (uint64_t)p->rows);
+		json_uint(&j, "suite_rows", (uint64_t)p->of_rows);
 		json_str(&j, "config_hash", hash);
 		json_open(&j, "rules", '[');
 	} else {
@@ -112,6 +117,7 @@ int scenario_compare(FILE *out, int as_json, const struct scenario_plan *p,
 	} while (!code && (rule++)->name);
 	if (as_json) {
 		json_close(&j, ']');
+		json_bool(&j, "interrupted", cli_interrupted());
 		json_close(&j, '}');
 	}
 	return code;

@@ -58,6 +58,60 @@ static const char *const goal_name[] = {
 	[GOAL_UNKNOWABLE] = "unknowable",
 };
 
+/* ---- the rows ----------------------------------------------------------------------------------- */
+
+/* What the radar makes of the target whose existence it doubts; "" of none. */
+static void radar_words(const struct scenario *s, char *text, size_t size)
+{
+	*text = '\0';
+	for (int i = 0; i < s->drive.n && !*text; i++) {
+		const struct drive_target *t = &s->drive.target[i];
+
+		if (t->existence > 0) {
+			snprintf(text, size,
+				 "the radar's target: existence %g, from %g m to %g m, missed in "
+				 "%g %% of the scans",
+				 t->existence, t->seen_m, t->lost_m, t->missed * 100);
+		}
+	}
+}
+
+static void list_json(FILE *out, const struct scenario_plan *p)
+{
+	struct json j = json_start(out);
+	char text[128];
+
+	json_head(&j, "scenario_list");
+	json_str(&j, "suite", p->suite->name);
+	json_open(&j, "rows", '[');
+	for (int i = 0; i < p->rows; i++) {
+		radar_words(&p->row[i], text, sizeof(text));
+		json_open(&j, NULL, '{');
+		json_str(&j, "row", p->row[i].name);
+		json_str(&j, "goal", goal_name[p->row[i].goal]);
+		json_str(&j, "radar", *text ? text : NULL);
+		json_close(&j, '}');
+	}
+	json_close(&j, ']');
+	json_close(&j, '}');
+}
+
+void scenario_list(FILE *out, int as_json, const struct scenario_plan *p)
+{
+	char text[128];
+
+	if (as_json) {
+		list_json(out, p);
+		return;
+	}
+	for (int i = 0; i < p->rows; i++) {
+		radar_words(&p->row[i], text, sizeof(text));
+		fprintf(out, *text ? "%-40s  %s\n" : "%s%s\n", p->row[i].name, text);
+	}
+}
+
+/* ---- the runs ----------------------------------------------------------------------------------- */
+
 static void json_run(struct json *j, const struct scenario_plan *p, int i,
 		     const struct scenario_result *r)
 {
@@ -146,6 +200,8 @@ void scenario_json(FILE *out, const struct scenario_plan *p, const struct scenar
 	snprintf(hash, sizeof(hash), "%016" PRIx64, config_hash(p->cfg, p->map));
 	json_head(&j, "scenario");
 	json_str(&j, "suite", p->suite->name);
+	json_uint(&j, "rows", (uint64_t)p->rows);
+	json_uint(&j, "suite_rows", (uint64_t)p->of_rows);
 	json_str(&j, "rule", p->rule ? p->rule->name : "aebmc");
 	json_faults(&j, p);
 	json_open(&j, "runs", '[');

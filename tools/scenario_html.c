@@ -186,8 +186,10 @@ static void head(FILE *out, const struct scenario_plan *p, const struct scenario
 	snprintf(title, sizeof(title), "aebmc scenario %s", p->suite->name);
 	cli_cpu_name(cpu, sizeof(cpu));
 	page_open(out, title);
+	fputs("<p>", out);
+	scenario_rows(out, p);
 	fprintf(out,
-		"<p>%" PRIu64 " runs; full braking %g m/s<sup>2</sup>, %lld "
+		", %" PRIu64 " runs; full braking %g m/s<sup>2</sup>, %lld "
 		"samples, configuration %016" PRIx64 "%s%s; ",
 		s->runs, p->cfg->brake_accel, (long long)p->cfg->mc_samples,
 		config_hash(p->cfg, p->map), p->rule ? ", decided by " : "",

@@ -41,8 +41,20 @@ static int listen_until(struct bus *bus, struct scenario_loop *l, int64_t until_
 	return 0;
 }
 
+static void show(struct progress *line, const struct scenario_plan *p, int run, double t_s)
+{
+	const struct scenario *s = &p->row[run / p->cars];
+	const int total = p->rows * p->cars;
+	char words[SCENARIO_NAME_MAX + 48];
+
+	if (line->on) {
+		snprintf(words, sizeof(words), "%d of %d runs, %s", run, total, s->name);
+		progress_update(line, (run + t_s / s->drive.end_s) / total, words);
+	}
+}
+
 int scenario_live_run(struct bus *bus, const struct scenario_plan *p, int row, int car,
-		      struct scenario_result *r)
+		      struct progress *line, struct scenario_result *r)
 {
 	const struct scenario *s = &p->row[row];
 	const struct scenario_draw d = scenario_draw(p->cfg, s, p->seed, car);
@@ -54,6 +66,7 @@ int scenario_live_run(struct bus *bus, const struct scenario_plan *p, int row, i
 		scenario_loop_open(l, &p->told[row], p->map, s, &d);
 	}
 	while (!ret && !cli_interrupted()) {
+		show(line, p, row * p->cars + car - p->first_car, l->now.t_s);
 		ret = scenario_loop_step(l, send_frame, bus);
 		ret = ret ? ret : listen_until(bus, l, start_ns + l->sensors.t_ns - DRIVE_START_NS);
 	}
@@ -101,11 +114,12 @@ static int open_bus(const struct scenario_plan *p, struct bus **ret)
 int scenario_live(const struct scenario_plan *p, struct scenario_result *result)
 {
 	struct bus *bus = NULL;
+	struct progress line = progress_start(p->name);
 	int code = open_bus(p, &bus);
 
 	for (int i = 0; !code && i < p->rows * p->cars && !cli_interrupted(); i++) {
 		const int error = scenario_live_run(bus, p, i / p->cars, p->first_car + i % p->cars,
-						    &result[i]);
+						    &line, &result[i]);
 
 		p->latest_s[i / p->cars] = scenario_latest(p->cfg, &p->row[i / p->cars]);
 		code = error ? cli_error(CLI_FAILED, p->name, "%s: %s", p->row[i / p->cars].name,
@@ -113,6 +127,7 @@ int scenario_live(const struct scenario_plan *p, struct scenario_result *result)
 			     : 0;
 		sleep(PAUSE_S);
 	}
+	progress_clear(&line);
 	if (bus) {
 		bus->ops->close(bus);
 	}

@@ -16,9 +16,9 @@ int scenario_live(const struct scenario_plan *p, struct scenario_result *result)
 
 /**
  * scenario_live_run - one run on an open bus, clock_now_ns() being its time
- * @bus: the frames of @p's mapping out, AEB_REQUEST in. Returns 0 or -errno.
+ * @bus: the frames of @p's mapping out, AEB_REQUEST in; @line: shows how far all runs of @p are. Returns 0 or -errno.
  */
 int scenario_live_run(struct bus *bus, const struct scenario_plan *p, int row, int car,
-		      struct scenario_result *r);
+		      struct progress *line, struct scenario_result *r);
 
 #endif

@@ -11,7 +11,7 @@ struct scenario_plan {
 	const char *name; /* "aebmc scenario", for messages */
 	const struct scenario_suite *suite;
 	const struct scenario *row;
-	int rows;
+	int rows, of_rows;   /* those that are run, of the suite's */
 	int first_car, cars; /* of each row: 0, 1 is the nominal one; 1, K are K drawn ones */
 	uint64_t seed;
 	const struct config *cfg; /* of the car and its sensors */

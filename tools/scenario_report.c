@@ -216,6 +216,14 @@ void scenario_faults(FILE *out, const struct scenario_plan *p, const char *befor
 	}
 }
 
+void scenario_rows(FILE *out, const struct scenario_plan *p)
+{
+	if (p->rows < p->of_rows) {
+		fprintf(out, "%d of ", p->rows);
+	}
+	fprintf(out, "%d rows", p->of_rows);
+}
+
 static void print_head(FILE *out, const struct scenario_plan *p)
 {
 	char hash[20], cpu[128];
@@ -223,9 +231,10 @@ static void print_head(FILE *out, const struct scenario_plan *p)
 	snprintf(hash, sizeof(hash), "%016" PRIx64, config_hash(p->cfg, p->map));
 	cli_cpu_name(cpu, sizeof(cpu));
 	fprintf(out, "%s: %s\n", p->suite->name, p->suite->doc);
-	fprintf(out, "%d rows, %d %s; full braking %g m/s2; %lld samples; configuration %s; %s\n",
-		p->rows, p->cars, p->first_car ? "drawn cars each" : "nominal car each",
-		p->cfg->brake_accel, (long long)p->cfg->mc_samples, hash, cpu);
+	scenario_rows(out, p);
+	fprintf(out, ", %d %s; full braking %g m/s2; %lld samples; configuration %s; %s\n", p->cars,
+		p->first_car ? "drawn cars each" : "nominal car each", p->cfg->brake_accel,
+		(long long)p->cfg->mc_samples, hash, cpu);
 	if (p->rule) {
 		fprintf(out, "decided by: %s\n", p->rule->doc);
 	}

@@ -42,6 +42,9 @@ struct scenario_row scenario_row_of(const struct scenario_plan *p, int row,
 /** scenario_sum_of - over [rows][cars]. Allocates and frees; without memory the median is NaN. */
 struct scenario_sum scenario_sum_of(const struct scenario_plan *p, const struct scenario_result *r);
 
+/** scenario_rows - "213 rows" or "16 of 213 rows". */
+void scenario_rows(FILE *out, const struct scenario_plan *p);
+
 /** scenario_fault_of - the fault that begins with @row, NULL where none does: its rows follow each other. Pure. */
 const struct scenario_fault *scenario_fault_of(const struct scenario_plan *p, int row);
 
@@ -55,6 +58,9 @@ const char *scenario_verdict(const struct scenario *s, const struct scenario_row
 
 /** scenario_html - a page that needs nothing else. 0 or -ENOMEM; write errors stay in ferror(@out). */
 int scenario_html(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);
+
+/** scenario_list - the rows, and what the radar makes of them where a row says; in words or as JSON. */
+void scenario_list(FILE *out, int as_json, const struct scenario_plan *p);
 
 /** scenario_words, scenario_csv, scenario_json - the report. Write errors stay in ferror(). */
 void scenario_words(FILE *out, const struct scenario_plan *p, const struct scenario_result *r);

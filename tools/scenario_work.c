@@ -49,6 +49,7 @@ static int open_rows(struct scenario_work *w)
 		}
 	}
 	w->plan.rows = kept;
+	w->plan.of_rows = n;
 	if (n < 0) {
 		return cli_error(CLI_FAILED, w->name, "%s", strerror(-n));
 	}
@@ -104,6 +105,7 @@ int scenario_work_open(struct scenario_work *w)
 		.suite = a->suite,
 		.row = w->row,
 		.rows = w->plan.rows,
+		.of_rows = w->plan.of_rows,
 		.first_car = a->cars > 0,
 		.cars = w->plan.cars,
 		.seed = (uint64_t)a->seed,

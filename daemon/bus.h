@@ -84,7 +84,7 @@ struct bus {
 /* Events of a live bus. */
 #define BUS_EV_DOWN    1u /* an interface is down or missing (lasting) */
 #define BUS_EV_OFF     2u /* a controller is bus-off (lasting, until restarted) */
-#define BUS_EV_PASSIVE 4u /* a controller became error-passive */
+#define BUS_EV_PASSIVE 4u /* a controller is error-passive (lasting) */
 #define BUS_EV_FOREIGN 8u /* somebody else sent one of our identifiers */
 #define BUS_EV_STAMP \
 	16u /* a receive stamp was not credible: the clock stepped or the queue is old */
@@ -120,6 +120,10 @@ int bus_socketcan_open(const struct bus_socketcan_params *p, struct bus **ret, c
  * up, and open a new socket for the other thread to pick up. May block. Safe beside recv() and send().
  */
 void bus_socketcan_service(struct bus *b);
+
+/** bus_socketcan_passive - what the controller of interface @i says when asked: 1 error-passive, 0 not. Not every driver
+ * sends an error frame when it leaves that state (mttcan does not), and none when it was there before us. Any thread. */
+void bus_socketcan_passive(struct bus *b, int i, int passive);
 
 /** bus_socketcan_iface - 1 if interface @i is up and its socket usable. Any thread. */
 int bus_socketcan_iface(const struct bus *b, int i);

@@ -88,6 +88,28 @@ static int64_t read_control(struct bus_rx *rx, struct msghdr *h, uint8_t iface)
 	return stamp;
 }
 
+void bus_rx_passive(struct bus_rx *rx, uint8_t iface, int passive)
+{
+	const uint32_t bit = 1u << iface;
+
+	rx->passive = passive ? rx->passive | bit : rx->passive & ~bit;
+}
+
+/* Back from error-passive the next state is warning, not active. Other bits say nothing about the state. */
+static void controller_state(struct bus_rx *rx, uint8_t iface, int bits)
+{
+	const int passive = bits & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE);
+	const int better =
+		bits & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING | CAN_ERR_CRTL_ACTIVE);
+
+	if (passive || better) {
+		bus_rx_passive(rx, iface, passive);
+	}
+	if (passive) {
+		rx->once |= BUS_EV_PASSIVE; /* known even if a frame of the same batch ends it */
+	}
+}
+
 static void error_frame(struct bus_rx *rx, uint8_t iface, const struct canfd_frame *c)
 {
 	rx->stats.error_frames++;
@@ -97,10 +119,10 @@ static void error_frame(struct bus_rx *rx, uint8_t iface, const struct canfd_fra
 	}
 	if (c->can_id & CAN_ERR_RESTARTED) {
 		rx->off &= ~(1u << iface);
+		bus_rx_passive(rx, iface, 0);
 	}
-	if (c->can_id & CAN_ERR_CRTL &&
-	    c->data[1] & (CAN_ERR_CRTL_RX_PASSIVE | CAN_ERR_CRTL_TX_PASSIVE)) {
-		rx->once |= BUS_EV_PASSIVE;
+	if (c->can_id & CAN_ERR_CRTL) {
+		controller_state(rx, iface, c->data[1]);
 	}
 }
 
@@ -244,7 +266,8 @@ int bus_rx_write(int fd, const struct bus_frame *f)
 
 uint32_t bus_rx_events(struct bus_rx *rx)
 {
-	const uint32_t ev = rx->once | (rx->off ? BUS_EV_OFF : 0);
+	const uint32_t ev =
+		rx->once | (rx->off ? BUS_EV_OFF : 0) | (rx->passive ? BUS_EV_PASSIVE : 0);
 
 	rx->once = 0;
 	return ev;

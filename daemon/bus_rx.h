@@ -16,9 +16,10 @@ struct bus_rx {
 	struct bus_id own[BUS_RX_OWN_MAX];
 	int n_own;
 	int allow_local;
-	uint32_t once; /* events reported once */
-	uint32_t off;  /* bit per interface: bus-off until it restarts or carries a frame */
-	int taken;     /* messages that the last read took from the queue, delivered or not */
+	uint32_t once;    /* events reported once */
+	uint32_t off;     /* bit per interface: bus-off until it restarts or carries a frame */
+	uint32_t passive; /* bit per interface: error-passive until its controller says otherwise */
+	int taken;        /* messages that the last read took from the queue, delivered or not */
 	int64_t confirmed_ns;      /* when an own frame was last seen back */
 	struct bus_frame expected; /* its echo is looked out for */
 	int64_t expected_ns;       /* when it was seen; 0: not yet */
@@ -46,6 +47,9 @@ void bus_rx_expect(struct bus_rx *rx, const struct bus_frame *f);
 
 /** bus_rx_write - one frame. 0 or -errno; -EIO if the kernel took less than a frame. */
 int bus_rx_write(int fd, const struct bus_frame *f);
+
+/** bus_rx_passive - what the controller of @iface says of itself when asked: 1 error-passive, 0 not. */
+void bus_rx_passive(struct bus_rx *rx, uint8_t iface, int passive);
 
 /** bus_rx_events - BUS_EV_* since the last call and lasting ones. */
 uint32_t bus_rx_events(struct bus_rx *rx);

@@ -26,12 +26,15 @@
 #define WATCH_MAX  2
 #define FILTER_MAX 512
 
+enum asked { NOT_ASKED, NOT_PASSIVE, PASSIVE };
+
 struct port {
 	int fd;      /* owned by the receiving thread; NO_FD while there is none */
 	int offered; /* atomic: a socket the service opened and the receiving thread has not taken yet */
 	int retired; /* atomic: a socket the receiving thread gave up, for the service to close */
 	int ifindex; /* service only: what the newest socket is bound to; 0 none */
 	uint32_t up; /* atomic: link usable */
+	int asked;   /* atomic: what the controller said of itself since the last look */
 	char name[BUS_NAME_MAX];
 	struct can_filter filter[FILTER_MAX];
 	int n_filter;
@@ -148,6 +151,11 @@ int bus_socketcan_iface(const struct bus *b, int i)
 	return i >= 0 && i < s->n_ports && __atomic_load_n(&s->port[i].up, __ATOMIC_ACQUIRE);
 }
 
+void bus_socketcan_passive(struct bus *b, int i, int passive)
+{
+	__atomic_store_n(&of(b)->port[i].asked, passive ? PASSIVE : NOT_PASSIVE, __ATOMIC_RELEASE);
+}
+
 /* ---- receiving thread ---------------------------------------------------------------------------- */
 
 static void take_offered(struct port *p)
@@ -191,6 +199,7 @@ static int read_port(struct socketcan *s, int i, struct bus_frame *f, int max)
 
 	if (n == -ENETDOWN || n == -ENODEV || n == -ENXIO) {
 		mark_down(p);
+		bus_rx_passive(&s->rx, (uint8_t)i, 0); /* it comes up error-active */
 		return 0;
 	}
 	return n < 0 ? 0 : n;
@@ -279,12 +288,18 @@ static int socketcan_watch(struct bus *b, int fd)
 static uint32_t socketcan_events(struct bus *b)
 {
 	struct socketcan *s = of(b);
-	uint32_t ev = bus_rx_events(&s->rx);
+	uint32_t down = 0;
 
 	for (int i = 0; i < s->n_ports; i++) {
-		ev |= bus_socketcan_iface(b, i) ? 0 : BUS_EV_DOWN;
+		const int asked =
+			__atomic_exchange_n(&s->port[i].asked, NOT_ASKED, __ATOMIC_ACQ_REL);
+
+		if (asked != NOT_ASKED) {
+			bus_rx_passive(&s->rx, (uint8_t)i, asked == PASSIVE);
+		}
+		down |= bus_socketcan_iface(b, i) ? 0 : BUS_EV_DOWN;
 	}
-	return ev;
+	return bus_rx_events(&s->rx) | down;
 }
 
 static int64_t socketcan_confirmed_ns(const struct bus *b)

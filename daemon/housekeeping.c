@@ -273,8 +273,13 @@ static void look_after_links(struct live *l)
 
 	bus_socketcan_service(l->bus);
 	for (int i = 0; i < l->map->n_ifaces; i++) {
-		l->link[i].up = bus_socketcan_iface(l->bus, i);
-		link_read(l->link[i].name, &l->link[i].link);
+		struct status_link *k = &l->link[i];
+
+		k->up = bus_socketcan_iface(l->bus, i);
+		link_read(k->name, &k->link);
+		if (k->link.known) {
+			bus_socketcan_passive(l->bus, i, !strcmp(k->link.state, "error-passive"));
+		}
 	}
 	status_words(&l->seen, line + strlen(line), (int)(sizeof(line) - strlen(line)));
 	service_notify(line);

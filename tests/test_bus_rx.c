@@ -324,6 +324,10 @@ static void test_error_frames_become_events(void **state)
 	assert_int_equal(read_one(&rx, &f), 0);
 	assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
 	assert_int_equal(rx.stats.error_frames, 3);
+	inject.frame.data[1] = CAN_ERR_CRTL_ACTIVE;
+	assert_int_equal(read_one(&rx, &f), 0);
+	assert_int_equal(bus_rx_events(&rx), 0);
+	inject.frame.data[1] = CAN_ERR_CRTL_TX_PASSIVE;
 	inject.frame.can_id =
 		CAN_ERR_FLAG | CAN_ERR_PROT; /* where those bits mean something else */
 	assert_int_equal(read_one(&rx, &f), 0);
@@ -360,6 +364,72 @@ static void test_bus_off_belongs_to_its_interface(void **state)
 	inject.frame.can_id = 0x123;
 	assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 1);
 	assert_int_equal(bus_rx_events(&rx), BUS_EV_OFF); /* known although it is over */
+	assert_int_equal(bus_rx_events(&rx), 0);
+}
+
+static void receive_error(struct bus_rx *rx, uint8_t iface, uint32_t id, int controller)
+{
+	struct bus_frame f;
+
+	inject.frame.can_id = CAN_ERR_FLAG | id;
+	inject.frame.data[1] = (uint8_t)controller;
+	assert_int_equal(bus_rx_read(rx, -1, iface, &f, 1), 0);
+}
+
+static void test_error_passive_lasts_until_its_controller_says_otherwise(void **state)
+{
+	static const int passive[] = {CAN_ERR_CRTL_RX_PASSIVE, CAN_ERR_CRTL_TX_PASSIVE};
+	static const struct {
+		uint32_t id;
+		int controller;
+		uint32_t events;
+	} row[] = {
+		{CAN_ERR_CRTL, CAN_ERR_CRTL_ACTIVE, 0},
+		{CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING, 0},
+		{CAN_ERR_CRTL, CAN_ERR_CRTL_TX_WARNING, 0},
+		{CAN_ERR_RESTARTED, 0, 0},
+		{CAN_ERR_CRTL, CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_PASSIVE, BUS_EV_PASSIVE},
+		{CAN_ERR_CRTL, CAN_ERR_CRTL_RX_OVERFLOW, BUS_EV_PASSIVE},
+		{CAN_ERR_CRTL, CAN_ERR_CRTL_TX_OVERFLOW, BUS_EV_PASSIVE},
+		{CAN_ERR_PROT, CAN_ERR_CRTL_ACTIVE, BUS_EV_PASSIVE}, /* other bits there */
+	};
+	struct bus_rx rx;
+	struct bus_frame f;
+
+	(void)state;
+	for (size_t i = 0; i < 2 * sizeof(row) / sizeof(row[0]); i++) {
+		reset(&rx, 0);
+		receive_error(&rx, 1, CAN_ERR_CRTL, passive[i % 2]);
+		assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
+		inject.frame.can_id = 0x123; /* it may carry frames all the same */
+		assert_int_equal(bus_rx_read(&rx, -1, 1, &f, 1), 1);
+		receive_error(&rx, 0, CAN_ERR_CRTL, CAN_ERR_CRTL_ACTIVE); /* another one */
+		assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
+		receive_error(&rx, 1, row[i / 2].id, row[i / 2].controller);
+		assert_int_equal(bus_rx_events(&rx), row[i / 2].events);
+	}
+	reset(&rx, 0);
+	receive_error(&rx, 1, CAN_ERR_CRTL, CAN_ERR_CRTL_TX_PASSIVE);
+	receive_error(&rx, 1, CAN_ERR_CRTL, CAN_ERR_CRTL_ACTIVE);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE); /* known although it is over */
+	assert_int_equal(bus_rx_events(&rx), 0);
+}
+
+/* Where its driver sends no error frame. */
+static void test_controller_that_was_asked_says_error_passive(void **state)
+{
+	struct bus_rx rx;
+
+	(void)state;
+	reset(&rx, 0);
+	bus_rx_passive(&rx, 1, 0);
+	assert_int_equal(bus_rx_events(&rx), 0);
+	bus_rx_passive(&rx, 1, 1);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
+	bus_rx_passive(&rx, 0, 1);
+	bus_rx_passive(&rx, 1, 0);
+	assert_int_equal(bus_rx_events(&rx), BUS_EV_PASSIVE);
+	bus_rx_passive(&rx, 0, 0);
 	assert_int_equal(bus_rx_events(&rx), 0);
 }
 
@@ -551,6 +621,8 @@ int main(void)
 		cmocka_unit_test(test_local_frames_only_where_allowed),
 		cmocka_unit_test(test_error_frames_become_events),
 		cmocka_unit_test(test_bus_off_belongs_to_its_interface),
+		cmocka_unit_test(test_error_passive_lasts_until_its_controller_says_otherwise),
+		cmocka_unit_test(test_controller_that_was_asked_says_error_passive),
 		cmocka_unit_test(test_taken_counts_what_was_not_delivered_too),
 		cmocka_unit_test(test_kernel_drops_are_counted_per_interface),
 		cmocka_unit_test(test_malformed_messages),

@@ -137,6 +137,10 @@ bus_off_lasts_until_restarted() {
 	good bus.transmit=none && traffic_stop && cansend vcan0 20000040#0000000000000000 && within 1 has_reason BUS_OFF &&
 		pause 2 && has_reason BUS_OFF && cansend vcan0 20000100#0000000000000000 && within 3 lacks_reason BUS_OFF
 }
+error_passive_degrades_until_it_is_over() {
+	good && cansend vcan0 20000004#0020000000000000 && within 1 has_reason BUS_PASSIVE && pause 2 && has_reason BUS_PASSIVE &&
+		state_is DEGRADED && cansend vcan0 20000004#0040000000000000 && within 2 lacks_reason BUS_PASSIVE && armed
+}
 error_flood_is_survived() {
 	good || return 1
 	local misses

@@ -106,6 +106,10 @@ controller_down_is_seen() {
 		is 'links.0.up == false' || return 1
 	ip link set can0 up && armed && is 'links.0.state == error-active'
 }
+# The frame says error-passive, the controller itself that it is not: drivers do not always say the end of it by a frame.
+recovered_controller_is_asked() {
+	cansend can0 20000004#0020000000000000 && within 1 has_reason BUS_PASSIVE && within 3 lacks_reason BUS_PASSIVE && armed
+}
 wrong_bit_rate_is_seen() {
 	ip link set can0 down && ip link set can0 up type can bitrate 250000 && within 1 is 'links.0.bitrate == 250000'
 }

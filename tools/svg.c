@@ -187,11 +187,11 @@ void svg_panel(struct svg *s, const struct svg_panel *p)
 		svg_text(s->out, "pt", s->x_px, s->y_px - 8, 's', p->title);
 	}
 	svg_draw_keys(s, p->key, p->keys);
-	/* A picture of its own clips its marks; 2 px more keep lines on the frame whole. */
+	/* A picture of its own clips its marks; 1 px more keeps lines on the frame whole. */
 	fprintf(s->out,
-		"<svg x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" viewBox=\"-2 -2 %.1f "
+		"<svg x=\"%.1f\" y=\"%.1f\" width=\"%.1f\" height=\"%.1f\" viewBox=\"-1 -1 %.1f "
 		"%.1f\" overflow=\"hidden\">\n",
-		s->x_px - 2, s->y_px - 2, s->w_px + 4, s->h_px + 4, s->w_px + 4, s->h_px + 4);
+		s->x_px - 1, s->y_px - 1, s->w_px + 2, s->h_px + 2, s->w_px + 2, s->h_px + 2);
 	s->in_panel = 1;
 	s->words = 0;
 }

@@ -160,3 +160,14 @@ receive_overflow_is_counted() {
 	within 1 has_reason RX_LOST && is 'counters.rx_dropped > 100' && echo "said: $(field counters.rx_dropped) lost" &&
 		state_is INHIBIT && armed
 }
+
+# Unknown identifiers, and those of ours in the other format or as remote frames, do not even wake the daemon.
+unmapped_frames_are_filtered_out() {
+	local frames frame
+	good && traffic_stop && pause 0.3 && frames=$(field counters.frames) || return 1
+	for frame in 7A5#0000000000000000 00000100#0000000000000000 100#R8; do
+		cansend vcan0 $frame || return 1
+	done
+	pause 0.3
+	is "counters.frames == $frames" && cansend vcan0 100#0000000000000000 && within 1 is "counters.frames == $((frames + 1))"
+}

@@ -110,8 +110,21 @@ controller_down_is_seen() {
 recovered_controller_is_asked() {
 	cansend can0 20000004#0020000000000000 && within 1 has_reason BUS_PASSIVE && within 3 lacks_reason BUS_PASSIVE && armed
 }
+# controller_rows VERDICT NAME...: what the doctor says of can0
+controller_rows() {
+	local row
+	for row in "${@:2}"; do
+		grep -qE "^$1 +can0 $row" /tmp/doctor || return 1
+	done
+}
 wrong_bit_rate_is_seen() {
-	ip link set can0 down && ip link set can0 up type can bitrate 250000 && within 1 is 'links.0.bitrate == 250000'
+	aebmc doctor --config $CONF >/tmp/doctor
+	grep can0 /tmp/doctor
+	controller_rows good up frames acknowledged bit_rate sample_point restart_ms || return 1
+	ip link set can0 down && ip link set can0 up type can bitrate 250000 && within 1 is 'links.0.bitrate == 250000' || return 1
+	aebmc doctor --config $CONF >/tmp/doctor
+	grep can0 /tmp/doctor
+	controller_rows MISSING bit_rate && controller_rows good restart_ms
 }
 
 # On vcan2 there are our frames alone, and none of them leaves: as in a parked car, where nobody acknowledges.
@@ -135,3 +148,13 @@ echo_that_stays_away_restarts() {
 	tc qdisc del dev vcan2 root
 	[ $ok = 0 ] && armed
 }
+
+journal_has_the_reason_as_a_field() {
+	local since
+	good && traffic_stop && since=$(now) && ip link set vcan0 down && within 2 journal_field "$since" AEBMC_REASON=BUS_DOWN PRIORITY=4
+	local ok=$?
+	ip link set vcan0 up
+	[ $ok = 0 ] && ! journal_field "$since" AEBMC_REASON=BUS_OFF
+}
+# journal_field SINCE FIELD=VALUE...: is there an entry with these?
+journal_field() { journalctl --since "$1" -o cat --no-pager "${@:2}" _SYSTEMD_UNIT=aebmcd@test.service | grep -q .; }

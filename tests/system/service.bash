@@ -11,6 +11,7 @@ nothing_passes_without_a_daemon() {
 		"is state==INIT" "is .counters.warn >= 0" "is armed == false" "field state" "ask mark" "ask disarm" \
 		"another_pid 1" two_fifo_threads memory_is_locked no_capability own_user init_before_traffic \
 		second_instance_is_refused "at_most 1000 '' nothing" "first_after 0 state" "last_of 100" "armed 0.1" \
+		no_fifo_thread "processors 80" "journal_field 2000-01-01 AEBMC_REASON=BUS_DOWN" "controller_rows good up" \
 		requests_reproduce kvaser_state_is_known "said 2000-01-01 READY"; do
 		if $question; then
 			passed="$passed, $question"

@@ -109,3 +109,30 @@ driver_ends_a_request() {
 	gateway_off
 	ended_within 100 "$at" && is 'rejected.crc == 0'
 }
+
+# The driver's braking, as the stack of the daemon has it (driver.accel), becomes another number: memory that fails.
+spoil() {
+	local p
+	p=$(pid) && python3 - "$p" <<'P'
+import struct, sys
+was, now, spoiled = struct.pack("<d", -3.92), struct.pack("<d", -3.93), 0
+with open("/proc/%s/maps" % sys.argv[1]) as maps, open("/proc/%s/mem" % sys.argv[1], "r+b", 0) as memory:
+    begin, end = [[int(x, 16) for x in line.split()[0].split("-")] for line in maps if "[stack]" in line][0]
+    memory.seek(begin)
+    stack = memory.read(end - begin)
+    at = stack.find(was)
+    while at >= 0:
+        memory.seek(begin + at)
+        spoiled += memory.write(now) == 8
+        at = stack.find(was, at + 8)
+sys.exit(not spoiled)
+P
+	at=$EPOCHREALTIME
+}
+fault_ends_a_request_and_the_arming() {
+	requesting spoil && ended_within 300 "$at" && grep 'state FAULT.*request none' /tmp/words | head -n 1 | grep . &&
+		has_reason CONFIG && is 'state == FAULT and armed == false' && ! asked_for arm && [[ $reply == *'the state is FAULT'* ]]
+	local ok=$?
+	stop
+	return $ok
+}

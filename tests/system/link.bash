@@ -49,7 +49,7 @@ lost_output_is_said_in_the_status() {
 }
 buffers_full_inhibits() {
 	good "${TWO[@]}" && tc qdisc add dev vcan2 root tbf rate 8kbit burst 64 limit 64 &&
-		within 2 has_reason TX_REFUSED && state_is INHIBIT && is 'counters.tx_refused > 5'
+		within 2 is 'state == INHIBIT and counters.tx_refused > 5' && has_reason TX_REFUSED
 	local ok=$?
 	tc qdisc del dev vcan2 root
 	[ $ok = 0 ] && within 5 lacks_reason TX_REFUSED && armed

@@ -12,7 +12,9 @@ ok "false-activation --short" "$AEBMC" scenario false-activation --short --json
 cp "$tmp/out" "$tmp/calm.json"
 json "no partial and no full request" "$tmp/calm.json" \
 	'len(j["runs"]) >= 12 and not any(r["partial"] or r["full"] for r in j["runs"] if r["goal"] == "no request")'
-json "no deceleration added" "$tmp/calm.json" 'j["sum"]["added_deceleration_mps2"] < 0.25 * 9.81 and j["sum"]["failed"] == 0'
+json "none missed its goal" "$tmp/calm.json" 'j["sum"]["failed"] == 0 and j["sum"]["judged"] == len(j["runs"]) - 1'
+json "where nobody brakes the car does not, whatever was asked for" "$tmp/calm.json" \
+	'(lambda d: len(d) >= 6 and max(d) < 0.25 * 9.81)([max(r["peak_before_mps2"], r["peak_after_mps2"]) for r in j["runs"] if r["goal"] == "no request" and r["row"].split("-")[0] in ("plate", "parked", "overtake", "swerve", "curve")])'
 json "no contact" "$tmp/calm.json" 'not any(r["contact"] for r in j["runs"])'
 json "a plate that the radar calls a car is told as not passed" "$tmp/calm.json" \
 	'[(r["goal"], r["passed"], r["full"] > 0) for r in j["runs"] if r["row"] == "plate-without-existence"] == [("unknowable", False, True)]'
@@ -23,6 +25,13 @@ json "and judged by themselves too" "$tmp/calm.json" \
 ok "the rows" "$AEBMC" scenario false-activation --list
 like "and the picture that they rest on" "$tmp/out" \
 	"^plate-flickers +the radar's target: existence 0.45, from 80 m to 12 m, missed in 40 % of the scans$"
+ok "plates that reach the evaluation" "$AEBMC" scenario false-activation --only plate --set radar.existence_min=0 --json
+json "no request either" "$tmp/out" \
+	'{r["row"]: (r["evaluations"] > 30, r["partial"] + r["full"], r["peak_after_mps2"]) for r in j["runs"] if r["goal"] == "no request"} == dict.fromkeys(("plate", "plate-flickers"), (True, 0, 0))'
+exits "were they taken for what is followed" 1 "$AEBMC" scenario false-activation --only plate --set radar.existence_min=0 \
+	--set perception.ghosts=no --json
+json "they would be braked for" "$tmp/out" \
+	'all(r["full"] for r in j["runs"]) and j["sum"]["failed"] == 2 and j["sum"]["added_deceleration_mps2"] > 9'
 ok "in words" "$AEBMC" scenario false-activation --only plate
 like "which rows could not" "$tmp/out" '^plate-flickers .* passed, never evaluated$'
 like "and how many could" "$tmp/out" '^3 runs, 0 with contact, 1 with a request, 1 with an evaluation$'

@@ -80,6 +80,9 @@ json "the daemon's histograms agree" "$tmp/report.json" "(lambda s: all(
 address() {
 	sed 's|xmlns="http://www\.w3\.org/2000/svg"||g' "$1" | grep -ciE '(src|href)[[:space:]]*=|url\(|@import|//[a-z0-9]'
 }
+json "the made-up car could be driven: the distance changes as the speeds say" "$tmp/report.json" '(lambda e: len(e) == 988 and
+	all(abs(b["headway_m"] - a["headway_m"] - (b["lead_speed_mps"] - b["ego_speed_mps"] + a["lead_speed_mps"] - a["ego_speed_mps"]) / 2 *
+	(b["time_s"] - a["time_s"])) < 0.05 for a, b in zip(e, e[1:]) if b["time_s"] - a["time_s"] < 0.2))(j["evaluations"])'
 is "the page names no other address" "$(address "$tmp/report.html")" 0
 sed 's|<title>|<title>http://www.w3.org.evil/|' "$tmp/report.html" >"$tmp/address.html"
 is "where one is it would be seen" "$(($(address "$tmp/address.html") > 0))" 1

@@ -122,6 +122,7 @@ static void put_evaluations(struct json *j, const struct report *r)
 		json_num(j, "time_s", v->t_s - (double)r->first_mono_ns / 1e9);
 		json_num(j, "ego_speed_mps", v->speed_mps);
 		json_num(j, "headway_m", v->headway_m);
+		json_num(j, "lead_speed_mps", v->lead_speed_mps);
 		json_num(j, "p", v->p);
 		json_num(j, "lo", v->lo);
 		json_num(j, "hi", v->hi);

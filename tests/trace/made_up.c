@@ -76,17 +76,20 @@ static void batch(const struct world *w, uint64_t id, int64_t from_ns, int64_t t
 	}
 }
 
-/* The car nears its lead; the risk follows. */
+/* The car nears its lead, which then leaves it behind; the risk follows. */
 static void evaluation(const struct world *w, uint64_t id, int64_t t_ns)
 {
-	const double s = (double)id / CYCLES, near = exp(-40 * (s - 0.75) * (s - 0.75));
-	const double p = 1e-4 + 0.9 * near * near;
+	const double whole_s = CYCLES * (double)SCAN_NS / CLOCK_NS_PER_S;
+	const double s = (double)(t_ns - w->start_ns) / CLOCK_NS_PER_S / whole_s;
+	const double near = exp(-40 * (s - 0.75) * (s - 0.75));
+	const double p = 1e-4 + 0.9 * near * near,
+		     headway_mps = 70 * near * 80 * (s - 0.75) / whole_s;
 	const struct trace_evaluation e = {.cycle = id,
 					   .samples = 16384,
 					   .t_ns = t_ns,
 					   .speed_mps = 30 - 8 * near,
 					   .headway_m = 90 - 70 * near,
-					   .lead_speed_mps = 30 - 15 * near,
+					   .lead_speed_mps = 30 - 8 * near + headway_mps,
 					   .safe_m = 40 + 10 * near,
 					   .lead = 1,
 					   .p = p,

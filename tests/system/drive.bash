@@ -19,7 +19,7 @@ requests_reproduce() {
 	grep -qE '^[1-9][0-9]* requests .* 0 differ' /tmp/equal
 }
 event_is_recorded_and_reproduces() {
-	within 15 sh -c 'ls /var/lib/aebmc/test/event-*-warn.requests' || return 1
+	within 45 sh -c 'ls /var/lib/aebmc/test/event-*-warn.requests' || return 1
 	requests_reproduce && aebmc replay --config $CONF "$(newest .log)"
 }
 
@@ -28,7 +28,8 @@ as_replayed() {
 	local log=$LOGS/$1 event
 	ask mark || return 1
 	play "$1" "${@:3}"
-	within $(($2 + 5)) sh -c 'ls /var/lib/aebmc/test/event-*-mark.requests' || return 1
+	# An event lasts at most 30 s longer than recorder.after, which is the drive.
+	within 35 sh -c 'ls /var/lib/aebmc/test/event-*-mark.requests' || return 1
 	event=$(newest -mark.requests)
 	requests_reproduce || return 1
 	sed 's/ can\([01]\) / vcan\1 /' "$log" >/tmp/drive.log

@@ -35,7 +35,7 @@ gateway_off() { cangw -F; }
 # COMMAND; the gateway and what netem does to vcan1 end with it
 through() {
 	local ok
-	if [ "$running" != "with bus.allow_local=no" ] || ! active; then
+	if ! runs_with bus.allow_local=no; then
 		stop
 		start bus.allow_local=no || return 1
 	fi

@@ -209,9 +209,12 @@ stop() {
 	traffic_stop
 }
 
+# runs_with [section.key=value ...]: the daemon runs with these options; one that is watched runs with `any` (guest-timing)
+runs_with() { [[ $running == any || $running == "with $*" ]] && active; }
+
 # good [section.key=value ...]: the daemon runs with these options, on traffic, and is ARMED
 good() {
-	if [ "$running" != "with $*" ] || ! active; then
+	if ! runs_with "$@"; then
 		stop
 		start "$@" || return 1
 	fi
@@ -225,6 +228,7 @@ good() {
 playing=
 traffic() {
 	traffic_stop
+	[ -r "$LOGS/$1" ] || return 1
 	chrt -f 40 canplayer -l i -g 2 -I "$LOGS/$1" "${2:-vcan0}=can0" >/dev/null 2>&1 &
 	traffic_pid=$! playing=$1
 }

@@ -18,6 +18,7 @@ fi
 for drive in brake follow stopped; do
 	"$O/aebmc" generate --drive $drive --out "$dir/logs/$drive.log" >&2
 done
+awk '{ t = substr($1, 2) + 0 } NR == 1 { start = t } t >= start + 17' "$dir/logs/brake.log" >"$dir/logs/brake-end.log"
 recorded=../shared/canlog/comma2k19-rav4-seg40-speed-radar.log.xz
 [ ! -r $recorded ] || xz -dc $recorded >"$dir/logs/recorded.log"
 cp tests/system/lib.sh tests/system/*.bash "$O/tests/system/stall" "$O/tests/system/trap" "$dir/"

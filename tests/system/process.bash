@@ -33,9 +33,7 @@ stopped_and_continued() {
 	p=$(pid) || return 1
 	rm -f /var/lib/aebmc/test/event-*
 	kill -STOP "$p"
-	traffic brake-end.log
-	pause 2
-	traffic stopped.log
+	traffic brake-end.log && pause 2 && traffic stopped.log || return 1
 	pause 0.2 # the queue is full by now: these are lost, or thrown away
 	at=$EPOCHREALTIME
 	kill -CONT "$p"

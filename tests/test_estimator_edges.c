@@ -220,6 +220,7 @@ static void nobody_drives_backwards(void **state)
 {
 	static const double x[][2][SCENE_DIM] = {
 		{{30, 20, -3, 15, -4}, {30, 20, -3, 15, -4}},
+		{{0.5, 20, 3, 15, 4}, {0.5, 20, 3, 15, 4}},
 		{{-1, 20, 3, 15, 4}, {0, 20, 3, 15, 4}},
 		{{30, -0.1, -3, 15, -4}, {30, 0, 0, 15, -4}},
 		{{30, 20, -3, -0.1, -4}, {30, 20, -3, 0, 0}},
@@ -260,6 +261,51 @@ static void a_slow_lead_does_not_drive_off(void **state)
 	assert_true(held(&c, nextafter(c.filter_standing_speed, 0), -1) == -1);
 	assert_true(held(&c, 0, -1) == -1);
 	assert_false(signbit(held(&c, 0, -0.0)));
+
+	struct rig b;
+
+	rig_open(&b, "generic");
+	b.rate_mps = -20; /* and so it is in the scene */
+	b.gap_m = 100;
+	const struct scene s = rig_cycles(&b, 20);
+
+	assert_true(s.lead_valid && s.x[SCENE_LEAD_SPEED] < 0.1);
+	assert_true(s.cov[SCENE_LEAD_ACCEL][SCENE_LEAD_ACCEL] ==
+		    c.filter_standing_sigma * c.filter_standing_sigma);
+	rig_close(&b);
+}
+
+/* ---- latency -------------------------------------------------------------------------------- */
+
+/* 0.1 s more or less: what the radar saw has closed in by that much, and its speed has changed by that much. */
+static void an_uncertain_latency_is_in_the_covariance(void **state)
+{
+	struct rig b;
+
+	(void)state;
+	rig_open(&b, "generic");
+	for (int i = 0; i < 30; i++) {
+		b.rate_mps -= i < 10 ? 0 : 0.15;
+		rig_cycle(&b);
+	}
+	b.cfg.radar_latency_sigma = 0;
+	const struct scene sure = rig_look(&b);
+
+	b.cfg.radar_latency_sigma = 0.1;
+	const struct scene s = rig_look(&b);
+	const double moved_m = 0.1 * (s.x[SCENE_LEAD_SPEED] - s.x[SCENE_EGO_SPEED]);
+	const double changed_mps = 0.1 * s.x[SCENE_LEAD_ACCEL];
+
+	assert_true(s.lead_valid && moved_m < -0.25 && changed_mps < -0.2);
+	for (int i = 0; i < SCENE_DIM; i++) {
+		for (int j = 0; j < SCENE_DIM; j++) {
+			const double by[SCENE_DIM] = {
+				[SCENE_HEADWAY] = moved_m, [SCENE_LEAD_SPEED] = changed_mps};
+
+			assert_true(fabs(s.cov[i][j] - sure.cov[i][j] - by[i] * by[j]) < 1e-12);
+		}
+	}
+	rig_close(&b);
 }
 
 int main(void)
@@ -277,6 +323,7 @@ int main(void)
 		cmocka_unit_test(the_driver_overrides_from_a_share_on),
 		cmocka_unit_test(nobody_drives_backwards),
 		cmocka_unit_test(a_slow_lead_does_not_drive_off),
+		cmocka_unit_test(an_uncertain_latency_is_in_the_covariance),
 	};
 
 	return cmocka_run_group_tests_name("estimator_edges", tests, NULL, NULL);

@@ -249,6 +249,25 @@ static void what_is_behind_the_lead_is_described(void **state)
 	close_bench(&b);
 }
 
+/* It drives on the corridor's edge and may be in the way. */
+static void what_is_nearer_than_the_lead_is_described(void **state)
+{
+	struct bench b;
+
+	(void)state;
+	open_bench(&b, "ars408");
+	b.n = 2;
+	b.det[1] =
+		(struct detection){.id = 7, .distance_m = 20, .lateral_m = 1.8, .existence = 0.99};
+	const struct scene s = cycles(&b, 20);
+	const struct scene_object *o = &s.other[SCENE_NEARER];
+
+	assert_true(s.lead_valid && fabs(s.x[SCENE_HEADWAY] - 30) < 0.2);
+	assert_true(o->p > 0.1 && o->p < 0.5 && s.other[SCENE_BEHIND].p == 0);
+	assert_true(fabs(o->headway_m - 20) < 0.2 && fabs(o->speed_mps - 20) < 0.1);
+	close_bench(&b);
+}
+
 /* Noise may have it roll backwards. */
 static void what_stands_behind_the_lead_stands(void **state)
 {
@@ -356,6 +375,7 @@ int main(void)
 		cmocka_unit_test(what_is_announced_must_come),
 		cmocka_unit_test(the_noise_of_each_object_is_its_own),
 		cmocka_unit_test(what_is_behind_the_lead_is_described),
+		cmocka_unit_test(what_is_nearer_than_the_lead_is_described),
 		cmocka_unit_test(what_stands_behind_the_lead_stands),
 		cmocka_unit_test(the_first_message_may_begin_the_scans),
 		cmocka_unit_test(any_frame_is_survived),

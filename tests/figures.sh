@@ -1,7 +1,52 @@
 #!/bin/sh
-# The figures that the README quotes, from the commands that it names. TAP.
+# The figures, words and pictures that the README quotes, from the commands that it names. TAP.
 # shellcheck source=tests/tap.sh
 . "$(dirname "$0")/tap.sh"
+
+# block TEXT: what the README prints in the fence after TEXT, or in the rest of the fence that TEXT is in
+block() {
+	awk -v text="$1" '/^```/ { fence = !fence; if (found && !fence) exit; next }
+		found && fence { print }
+		index($0, text) { found = 1 }' README.md
+}
+
+# quotes NAME TEXT FILE: each line of that block is one of the file, or the beginning of one where it ends in dots; how fast
+# a machine is does not count
+quotes() {
+	block "$2" | python3 -c 'import re, sys
+plain = lambda line: re.sub(r"; [0-9.]+ times real time", "", line.rstrip("\n"))
+lines = [plain(line) for line in open(sys.argv[1])]
+block = [plain(line) for line in sys.stdin]
+wrong = [b for b in block if not any(l.startswith(b[:-3].rstrip()) if b.endswith("...") else l == b for l in lines)]
+sys.exit("\n".join(wrong) if wrong or len(block) < 5 else 0)' "$3" 2>"$tmp/wrong"
+	tap_status=$?
+	report $tap_status "$1"
+	[ $tap_status -eq 0 ] || { echo "# README.md says, $3 does not:"; show "$tmp/wrong"; }
+}
+
+# the demo
+car=can-dbc/vehicles/generic.conf
+mkdir "$tmp/drives"
+ok "the demo's drive" "$AEBMC" generate --drive brake --out "$tmp/drives/brake.log"
+ok "its replay" "$AEBMC" replay --config $car --csv "$tmp/brake.csv" "$tmp/drives/brake.log"
+cp "$tmp/out" "$tmp/demo"
+sed -n "s|^\t@echo '\(The last.*\)\$(O)\(.*\)'$|\n\1build\2|p" Makefile >>"$tmp/demo"
+quotes "what make demo ends with" 'make demo` needs a C compiler' "$tmp/demo"
+ok "its picture" "$AEBMC" plot "$tmp/brake.csv" --from 17 --title 'The lead brakes, the driver does nothing' --out "$tmp/timeline.svg"
+ok "is the README's (tools/pictures/make)" cmp "$tmp/timeline.svg" tools/pictures/timeline.svg
+ok "why there was a risk" "$AEBMC" explain --config $car --at 21 "$tmp/drives/brake.log"
+cp "$tmp/out" "$tmp/explain"
+quotes "is what the README quotes" '$ aebmc explain --config' "$tmp/explain"
+"$AEBMC" generate --drive light --out "$tmp/drives/light.log"
+{
+	cat $car
+	block 'bolder.conf is car.conf with'
+} >"$tmp/bolder.conf"
+cp can-dbc/vehicles/generic.dbc "$tmp/"
+ok "another configuration" "$AEBMC" replay --compare $car "$tmp/bolder.conf" --pictures "$tmp" "$tmp/drives/brake.log" "$tmp/drives/light.log"
+sed "s|$tmp/drives|drives|; s|$tmp/light|./light|" "$tmp/out" >"$tmp/compare"
+quotes "does what the README says" 'tells for each log which warnings' "$tmp/compare"
+is "every picture of the README is there" "$(sed -n 's/^!\[.*(\(.*\))$/\1/p' README.md | xargs ls 2>&1 >/dev/null)" ""
 
 near='lambda x, want, tolerance: abs(x - want) <= tolerance'
 for draws in sobol philox; do

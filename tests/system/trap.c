@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * usage: trap PID SECONDS
- * Watches every SCHED_FIFO thread of a process from outside for that long: system calls outside a short list (ptrace),
- * page faults (/proc), and calls of the C library's allocator (uprobes, where the kernel has them). One line for each
- * thread, one for each kind of call that should not have been:
+ * Watches every SCHED_FIFO thread of a process from outside for that long, or until SIGTERM: system calls outside a
+ * short list (ptrace), page faults (/proc), and calls of the C library's allocator (uprobes; a call of its own must be
+ * seen). One line for each thread, one for each kind of call that should not have been:
  *	trap: thread 312, FIFO 80: 4211 calls, 0 outside the list; 0 page faults; 0 allocator calls
  * Meanwhile do what may make the process slip: faults, signals, a tracer that starts and stops. Needs root; slows the
  * threads down, so judge no time. Run it above everything but those threads (chrt -f 50): above them it would find them
@@ -56,13 +56,14 @@ struct thread {
 
 struct watch {
 	pid_t pid;
-	int n, probed;
+	int n;
+	long witnessed; /* allocator calls of our own: 0 and nobody's calls are seen */
 	struct thread t[THREADS_MAX];
 };
 
 static volatile sig_atomic_t over;
 
-static void on_alarm(int sig)
+static void on_end(int sig)
 {
 	(void)sig;
 	over = 1;
@@ -163,10 +164,20 @@ static void probes_close(void)
 	}
 }
 
+/* Of the watched threads and of this one. */
+static void probes_filter(const struct watch *w, char filter[256])
+{
+	int len = snprintf(filter, 256, "common_pid==%d", getpid());
+
+	for (int i = 0; i < w->n; i++) {
+		len += snprintf(filter + len, 256 - (size_t)len, "||common_pid==%d", w->t[i].tid);
+	}
+}
+
 static int probes_open(const struct watch *w)
 {
-	char text[512], path[256], filter[256] = "";
-	size_t len = 0;
+	char text[512], path[256], filter[256];
+	void *volatile witness;
 
 	for (size_t i = 0; i < ALLOCATORS; i++) {
 		const long offset = file_offset(dlsym(RTLD_DEFAULT, allocators[i]), path);
@@ -177,27 +188,34 @@ static int probes_open(const struct watch *w)
 			return -1;
 		}
 	}
-	for (int i = 0; i < w->n; i++) {
-		len += (size_t)snprintf(filter + len, sizeof(filter) - len, "%scommon_pid==%d",
-					i ? "||" : "", w->t[i].tid);
-	}
+	probes_filter(w, filter);
 	if (mkdir(INSTANCE, 0700) || put(INSTANCE "/events/aebmc/filter", filter) ||
 	    put(INSTANCE "/events/aebmc/enable", "1")) {
 		fprintf(stderr, "trap: %s, filter %s: %s\n", INSTANCE, filter, strerror(errno));
 		return -1;
 	}
+	witness = malloc(1);
+	free(witness);
 	return 0;
+}
+
+static int is_of(const char *line, pid_t tid)
+{
+	char thread[32];
+
+	snprintf(thread, sizeof(thread), "-%d ", tid);
+	return line[0] != '#' && strstr(line, thread);
 }
 
 static void probes_count(struct watch *w)
 {
-	char line[512], thread[32];
+	char line[512];
 	FILE *f = fopen(INSTANCE "/trace", "re");
 
 	while (f && fgets(line, sizeof(line), f)) {
-		for (int i = 0; i < w->n && line[0] != '#'; i++) {
-			snprintf(thread, sizeof(thread), "-%d ", w->t[i].tid);
-			w->t[i].allocations += strstr(line, thread) != NULL;
+		w->witnessed += is_of(line, getpid());
+		for (int i = 0; i < w->n; i++) {
+			w->t[i].allocations += is_of(line, w->t[i].tid);
 		}
 	}
 	if (f) {
@@ -316,9 +334,9 @@ static void let_go(struct watch *w)
 /* 1 if nothing was found. */
 static int report(const struct watch *w, const struct thread *t)
 {
-	char allocations[64] = "allocator not watched (no uprobes)";
+	char allocations[64] = "allocator calls not seen";
 
-	if (w->probed) {
+	if (w->witnessed) {
 		snprintf(allocations, sizeof(allocations), "%ld allocator calls", t->allocations);
 	}
 	printf("trap: thread %d, FIFO %d: %lu calls, %lu outside the list; %ld page faults; %s%s\n",
@@ -330,14 +348,14 @@ static int report(const struct watch *w, const struct thread *t)
 			       t->count[i]);
 		}
 	}
-	return t->calls && !t->outside && !t->faults && !t->allocations && !t->gone;
+	return t->calls && !t->outside && !t->faults && w->witnessed && !t->allocations && !t->gone;
 }
 
 int main(int argc, char **argv)
 {
 	struct watch w = {.pid = argc == 3 ? atoi(argv[1]) : 0};
 	const unsigned int seconds = argc == 3 ? (unsigned int)atoi(argv[2]) : 0;
-	const struct sigaction alarmed = {.sa_handler = on_alarm};
+	const struct sigaction ends = {.sa_handler = on_end};
 	int good = 1;
 
 	if (w.pid <= 0 || !seconds) {
@@ -349,17 +367,15 @@ int main(int argc, char **argv)
 		fprintf(stderr, "trap: process %d has no SCHED_FIFO thread\n", w.pid);
 		return 1;
 	}
-	w.probed = !probes_open(&w);
-	sigaction(SIGALRM, &alarmed, NULL);
-	good = !seize(&w);
+	sigaction(SIGALRM, &ends, NULL);
+	sigaction(SIGTERM, &ends, NULL);
+	good = !probes_open(&w) && !seize(&w);
 	alarm(seconds);
 	if (good) {
 		watch_calls(&w);
 	}
 	let_go(&w);
-	if (w.probed) {
-		probes_count(&w);
-	}
+	probes_count(&w);
 	probes_close();
 	for (int i = 0; i < w.n; i++) {
 		good &= report(&w, &w.t[i]);

@@ -41,6 +41,12 @@ like "not passed, and why" "$tmp/out" 'plate-without-existence .* not passed: th
 ok "drawn cars" "$AEBMC" scenario false-activation --only overtake --vehicles 3 --json
 json "no request either" "$tmp/out" 'len(j["runs"]) == 9 and not any(r["full"] for r in j["runs"])'
 
+ok "traffic --short" "$AEBMC" scenario traffic --short --json
+json "braked for, what is no more than three scans is not" "$tmp/out" \
+	'{r["row"]: (r["contact"], r["full"]) for r in j["runs"]} == {"cut-out-70-2s": (False, 1), "cut-in-50-20-1.5s": (False, 1), "ghost-follow-80-20m": (False, 0), "ghost-brake-80-20m-0.5g": (False, 1)}'
+ok "were three scans enough" "$AEBMC" scenario traffic --only ghost-follow --set radar.confirm_scans=3 --json
+json "it would be braked for" "$tmp/out" 'j["runs"][0]["full"] > 0 and j["runs"][0]["passed"] is False'
+
 ok "degraded --short" "$AEBMC" scenario degraded --short --json
 json "each fault" "$tmp/out" \
 	'{r["row"].split("/")[0] for r in j["runs"]} == {"10Hz", "noise-told", "noise-untold", "dropouts", "latency", "rate-lag"}'

@@ -61,6 +61,9 @@ struct scenario_suite {
 /** scenario_calm - the rows of false-activation, as struct scenario_suite.rows. */
 int scenario_calm(struct scenario *row, int max);
 
+/** scenario_traffic - the rows of traffic. */
+int scenario_traffic(struct scenario *row, int max);
+
 /* All suites, ended by one without a name. */
 extern const struct scenario_suite scenario_suites[];
 

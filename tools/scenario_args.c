@@ -159,7 +159,9 @@ static error_t check_log_run(struct scenario_args *a, const struct argp_state *s
 static error_t check(struct scenario_args *a, const struct argp_state *st)
 {
 	if (!a->suite) {
-		return cli_bad(st, "which SUITE? fmvss127, ncap-ccr, false-activation or degraded");
+		return cli_bad(
+			st,
+			"which SUITE? fmvss127, ncap-ccr, false-activation, degraded or traffic");
 	}
 	if (is_stdout(a->csv) + is_stdout(a->html) + a->json > 1) {
 		return cli_bad(st,
@@ -254,7 +256,7 @@ static const struct argp argp = {
 	"SUITE",
 	"Closed loops of the daemon's pipeline with cars, sensors and drivers, in virtual time "
 	"(without --config: the bundled " CONFIG_DEFAULT
-	"). Suites: fmvss127, ncap-ccr, false-activation, degraded.",
+	"). Suites: fmvss127, ncap-ccr, false-activation, degraded, traffic.",
 	children,
 	NULL,
 	NULL};

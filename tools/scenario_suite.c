@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * The suites' rows. FMVSS No. 127 (49 CFR 571.127), Euro NCAP car-to-car rear (AEB C2C test protocol), and faults of the
- * sensors; what calls for nothing is in scenario_calm.c.
+ * sensors; what calls for nothing is in scenario_calm.c, what no regulation has in scenario_traffic.c.
  */
 #include <errno.h>
 #include <math.h>
@@ -226,5 +226,8 @@ const struct scenario_suite scenario_suites[] = {
 	{"false-activation", "nothing to brake for; no request", scenario_calm, 0},
 	{"degraded", "rows of fmvss127 and false-activation with faulty sensors; stated", degraded,
 	 1},
+	{"traffic",
+	 "cars that cut in, leave and uncover, targets that are none; of no regulation, stated",
+	 scenario_traffic, 1},
 	{0},
 };

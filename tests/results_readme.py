@@ -39,7 +39,8 @@ class Result:
         self.failed, self.judged, _, self.hi = map(float, shares[0])
         runs = re.search(r"^(\d+) runs, (\d+) with contact, \d+ with a request(?:, (\d+) with an evaluation)?$", text, re.M)
         self.runs, self.contacts = int(runs[1]), int(runs[2])
-        self.figures = [float(f) for f in runs.groups() if f] + [float(f) for share in shares for f in share]
+        self.counts = [float(f) for f in runs.groups() if f] + [float(f) for share in shares for f in share[:2]]
+        self.bounds = [float(f) for share in shares for f in share[2:]]
         lead = re.search(r"before them: (\d+); warning before request: median +(\S+) s, least +(\S+) s", text)
         self.unwarned, self.median, self.least = int(lead[1]), float(lead[2]), float(lead[3])
 
@@ -79,15 +80,20 @@ class Check:
         return m.groups() if m else ("", "")
 
     def suites(self, first, **wanted):
-        """These figures of these results are there, and no figure that is not one of theirs."""
+        """These figures of these results are there, bounds in the last cell, and no figure that is not one of theirs."""
         results = [self.result[n.replace("_", "-")] for n in wanted]
         head, rest = self.row(first)
-        said = re.findall(NUMBER, re.sub(r"\d+ km/h", "", rest))
-        figures = [f for r in results for f in r.figures]
-        self.note(first, [f"{s} is none of its figures" for s in said if not any(same(s, f) for f in figures)])
+        left, _, last = re.sub(r"\d+ km/h", "", rest).rpartition("|")
+        counts, bounds = re.findall(NUMBER, left), re.findall(NUMBER, last)
         for r, fields in zip(results, wanted.values()):
-            missing = [f for f in fields.split() if not any(same(s, getattr(r, f)) for s in said)]
-            self.note(first, [f"no {f} of {getattr(r, f):g}" for f in missing])
+            for field in fields.split():
+                said = bounds if field == "hi" else counts
+                found = [s for s in said if same(s, getattr(r, field))][:1]
+                self.note(first, [] if found else [f"no {field} of {getattr(r, field):g}"])
+                for s in found:
+                    said.remove(s)
+        for said, figures in ((counts, [f for r in results for f in r.counts]), (bounds, [f for r in results for f in r.bounds])):
+            self.note(first, [f"{s} is none of its figures" for s in said if not any(same(s, f) for f in figures)])
         cars = [int(c) for c in re.findall(r"--vehicles (\d+)", head)]
         self.note(first, [f"{c} cars instead of {[r.cars for r in results]}" for c in cars
                           if c not in [r.cars for r in results]])

@@ -149,4 +149,14 @@ static inline struct scene rig_look(struct rig *b)
 	return s;
 }
 
+/* A radar of 16 slots after two whole scans: of the next all came but slot 7, so that it is open. */
+static inline void rig_open_in_scan(struct rig *b)
+{
+	rig_open(b, "toyota-tss-p");
+	rig_cycles(b, 4);
+	rig_wait(b, 50);
+	b->silent = 1 << 7;
+	rig_say_scan(b);
+}
+
 #endif

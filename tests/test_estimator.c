@@ -69,11 +69,7 @@ static void silence_ends_a_scan(void **state)
 	struct rig b;
 
 	(void)state;
-	rig_open(&b, "toyota-tss-p");
-	rig_cycles(&b, 4);
-	rig_wait(&b, 50);
-	b.silent = 1 << 7;
-	rig_say_scan(&b);
+	rig_open_in_scan(&b);
 	const int64_t end = b.t_ns + 12 * MS;
 
 	assert_int_equal(b.ended, 2);
@@ -100,11 +96,7 @@ static void a_slot_seen_twice_ends_a_scan(void **state)
 	struct rig b;
 
 	(void)state;
-	rig_open(&b, "toyota-tss-p");
-	rig_cycles(&b, 4);
-	rig_wait(&b, 50);
-	b.silent = 1 << 7;
-	rig_say_scan(&b);
+	rig_open_in_scan(&b);
 	assert_int_equal(b.ended, 2);
 	b.t_ns += 5 * MS;
 	const struct bus_frame f = rig_slot(&b, 0);

@@ -49,11 +49,7 @@ static void distrust_is_of_the_open_scan_too(void **state)
 	struct rig b;
 
 	(void)state;
-	rig_open(&b, "toyota-tss-p");
-	rig_cycles(&b, 4);
-	rig_wait(&b, 50);
-	b.silent = 1 << 7;
-	rig_say_scan(&b);
+	rig_open_in_scan(&b);
 	assert_true(estimator_deadline(b.e) == b.t_ns + 12 * MS);
 	estimator_distrust(b.e);
 	assert_true(estimator_deadline(b.e) == CLOCK_NEVER);
